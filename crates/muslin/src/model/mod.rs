@@ -1,0 +1,5 @@
+//! What does not change during a run.
+
+mod surface;
+
+pub use surface::Surface;

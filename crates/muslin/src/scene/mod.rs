@@ -1,0 +1,5 @@
+//! From scene text to a checked [`Scene`].
+
+mod settings;
+
+pub use settings::*;

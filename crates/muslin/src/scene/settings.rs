@@ -1,0 +1,264 @@
+//! The checked contents of a scene: every value in SI units and within its range.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+/// A checked scene: what a run needs to know, in SI units.
+///
+/// Invariants (kept by being readable only): every fabric that a cloth names exists; there is at least one cloth; all
+/// numbers are finite and within the ranges that their fields state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub(crate) title: String,
+    pub(crate) run: RunSettings,
+    pub(crate) environment: Environment,
+    pub(crate) fabrics: BTreeMap<String, Fabric>,
+    pub(crate) cloths: Vec<ClothSettings>,
+    pub(crate) expectations: Vec<Expectation>,
+}
+
+impl Scene {
+    /// Title, for pages and pictures.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// How long and by which method.
+    #[must_use]
+    pub fn run(&self) -> &RunSettings {
+        &self.run
+    }
+
+    /// What acts on every cloth.
+    #[must_use]
+    pub fn environment(&self) -> &Environment {
+        &self.environment
+    }
+
+    /// Fabrics by name.
+    #[must_use]
+    pub fn fabrics(&self) -> &BTreeMap<String, Fabric> {
+        &self.fabrics
+    }
+
+    /// Cloths in the order of their particles.
+    #[must_use]
+    pub fn cloths(&self) -> &[ClothSettings] {
+        &self.cloths
+    }
+
+    /// What the run must give.
+    #[must_use]
+    pub fn expectations(&self) -> &[Expectation] {
+        &self.expectations
+    }
+}
+
+/// `[run]`: how long and by which method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSettings {
+    /// Simulated time [s], positive: [`frame_intervals`](Self::frame_intervals) / [`frame_rate`](Self::frame_rate).
+    pub duration: f64,
+    /// Frames written per simulated second [1/s], positive.
+    pub frame_rate: f64,
+    /// Number of frames after the first, at least 1.
+    pub frame_intervals: u64,
+    /// Integration method.
+    pub method: Method,
+    /// How the time step is chosen.
+    pub step: StepRule,
+    /// How the first step starts.
+    pub start: Start,
+    /// Seed of every random process.
+    pub seed: u64,
+    /// Whether a step larger than the largest stable one is accepted.
+    pub allow_unstable: bool,
+}
+
+/// `run.method`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Explicit central differences, the paper's equation (5): `"central-difference"`.
+    CentralDifference,
+}
+
+/// `run.step`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepRule {
+    /// `{ constant = h }` [s]: the same step throughout, a whole number of times per frame.
+    Constant {
+        /// Steps from one frame to the next, at least 1.
+        steps_per_frame: u64,
+    },
+}
+
+/// `run.start`: how the method finds the step before the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// `"consistent"`: second order, from the initial velocities and forces.
+    Consistent,
+    /// `"as-printed"`: S(-h) = S(0), the paper's equation (6). First order.
+    AsPrinted,
+}
+
+/// `[environment]`: what acts on every cloth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// Gravitational acceleration [m/s²].
+    pub gravity: DVec3,
+    /// Winds; their forces add up.
+    pub winds: Vec<WindSettings>,
+}
+
+/// `[[environment.wind]]`
+#[derive(Clone, Debug, PartialEq)]
+pub enum WindSettings {
+    /// `law = "particle-force"`: F = A sin(ω t + φ) d on every particle, as the paper writes it.
+    ParticleForce {
+        /// Amplitude A [N].
+        amplitude: f64,
+        /// Angular frequency ω [rad/s], not negative.
+        angular_frequency: f64,
+        /// Phase φ [rad].
+        phase: f64,
+        /// Direction d [1], of unit length.
+        direction: DVec3,
+    },
+}
+
+/// `[fabric.NAME]`
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fabric {
+    /// `kind = "springs"`: one constant per spring and particle, as the paper writes them.
+    Springs(SpringsFabric),
+}
+
+/// A fabric of kind `"springs"`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpringsFabric {
+    /// Mass of every particle [kg], positive.
+    pub particle_mass: f64,
+    /// Linear drag k_d on every particle [kg/s], not negative.
+    pub drag: f64,
+    /// What a spring's force divides its vector by.
+    pub force_direction: ForceDirection,
+    /// Springs to the next particle along the grid.
+    pub structural: SpringSettings,
+    /// Springs to the next particle along the diagonals.
+    pub shear: SpringSettings,
+    /// Springs to the next particle but one along the grid.
+    pub bend: SpringSettings,
+}
+
+/// `fabric.NAME.force_direction`: what a spring's vector is divided by to give its force a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForceDirection {
+    /// `"current-length"`: a unit vector, Hooke's law.
+    CurrentLength,
+    /// `"rest-length"`: as the paper prints it; the force is larger by the stretch ratio.
+    RestLength,
+}
+
+/// Constants of one spring family.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringSettings {
+    /// Stiffness k [N/m], not negative.
+    pub stiffness: f64,
+    /// Tension against strain.
+    pub law: SpringLawSettings,
+}
+
+/// `law` of a spring family.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringLawSettings {
+    /// `"linear"`: f = k (ℓ - L).
+    Linear,
+}
+
+/// `[[cloth]]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClothSettings {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Name of its fabric.
+    pub fabric: String,
+    /// Particles.
+    pub grid: GridSettings,
+    /// Where the cloth is at time zero, at rest and flat.
+    pub place: Placement,
+    /// Particles that do not move.
+    pub pins: Vec<PinSettings>,
+}
+
+/// `cloth.grid`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridSettings {
+    /// Particles along the width, at least 1.
+    pub columns: usize,
+    /// Particles along the height, at least 1.
+    pub rows: usize,
+    /// Distance from the first to the last column [m]; zero if there is one column, else positive.
+    pub width: f64,
+    /// Distance from the first to the last row [m]; zero if there is one row, else positive.
+    pub height: f64,
+}
+
+/// `cloth.place`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Position of column 0, row 0 [m].
+    pub origin: DVec3,
+    /// Direction of ascending columns [1], of unit length.
+    pub width_axis: DVec3,
+    /// Direction of ascending rows [1], of unit length and perpendicular to the width axis.
+    pub height_axis: DVec3,
+}
+
+/// One entry of `cloth.pins`: a particle, a row or a column. Indices count from zero and are within the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinSettings {
+    /// `{ column = i, row = j }`
+    Particle {
+        /// Column i.
+        column: usize,
+        /// Row j.
+        row: usize,
+    },
+    /// `{ row = j }`: every particle of the row.
+    Row(usize),
+    /// `{ column = i }`: every particle of the column.
+    Column(usize),
+}
+
+/// One line of `[expect]`: a quantity of the finished run and the range it must lie in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expectation {
+    /// Which quantity.
+    pub quantity: ExpectedQuantity,
+    /// Its range, in the quantity's unit.
+    pub range: ExpectedRange,
+}
+
+/// Key of a line of `[expect]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExpectedQuantity {
+    /// `max_strain` [1]: largest strain of any structural spring over all steps.
+    MaxStrain,
+    /// `lowest_point` [m]: height of the lowest particle in the last frame.
+    LowestPoint,
+    /// `energy_residual` [1]: largest residual of the energy ledger relative to its largest term.
+    EnergyResidual,
+}
+
+/// `{ below = a }`, `{ above = a }` or `{ between = [a, b] }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExpectedRange {
+    /// Smaller than the value.
+    Below(f64),
+    /// Larger than the value.
+    Above(f64),
+    /// From the first to the second value, both included.
+    Between(f64, f64),
+}
