@@ -60,6 +60,17 @@ impl Points {
         self.z.fill(value);
     }
 
+    /// Exclusive access to all points.
+    pub fn as_mut(&mut self) -> PointsMut<'_> {
+        PointsMut { x: &mut self.x, y: &mut self.y, z: &mut self.z }
+    }
+
+    /// Whether every coordinate is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        [&self.x, &self.y, &self.z].into_iter().flatten().all(|value| value.is_finite())
+    }
+
     /// The points in order.
     pub fn iter(&self) -> impl Iterator<Item = DVec3> + '_ {
         (0..self.len()).map(|index| self.get(index))
@@ -75,5 +86,59 @@ impl FromIterator<DVec3> for Points {
             array.z.push(point.z);
         }
         array
+    }
+}
+
+/// Exclusive access to a run of consecutive [`Points`].
+#[derive(Debug, Default)]
+pub struct PointsMut<'a> {
+    /// First coordinates.
+    pub x: &'a mut [f64],
+    /// Second coordinates (up).
+    pub y: &'a mut [f64],
+    /// Third coordinates.
+    pub z: &'a mut [f64],
+}
+
+impl<'a> PointsMut<'a> {
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there are no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// The first `count` points and the rest.
+    ///
+    /// # Panics
+    /// If there are fewer than `count`.
+    #[must_use]
+    pub fn split_at(self, count: usize) -> (PointsMut<'a>, PointsMut<'a>) {
+        let (x, x_rest) = self.x.split_at_mut(count);
+        let (y, y_rest) = self.y.split_at_mut(count);
+        let (z, z_rest) = self.z.split_at_mut(count);
+        (PointsMut { x, y, z }, PointsMut { x: x_rest, y: y_rest, z: z_rest })
+    }
+
+    /// Makes every coordinate `value`.
+    pub fn fill(&mut self, value: f64) {
+        self.x.fill(value);
+        self.y.fill(value);
+        self.z.fill(value);
+    }
+
+    /// Adds `vector` to point `index`.
+    ///
+    /// # Panics
+    /// If `index` is not below [`len`](Self::len).
+    pub fn add(&mut self, index: usize, vector: DVec3) {
+        self.x[index] += vector.x;
+        self.y[index] += vector.y;
+        self.z[index] += vector.z;
     }
 }

@@ -1,5 +1,141 @@
 //! What does not change during a run.
+//!
+//! A [`Model`] is built from a checked [`Scene`]: its particles, its forces and its cloths. Particles of all cloths are
+//! numbered through; within a grid, particle `row * columns + column` follows the first.
 
+mod grid;
+mod particles;
 mod surface;
 
+use std::ops::Range;
+
+pub use grid::Grid;
+pub use particles::Particles;
 pub use surface::Surface;
+
+use crate::force::{Force, Gravity, GridSprings, ParticleWind};
+use crate::scene::{Fabric, PinSettings, Scene, WindSettings};
+use crate::{Points, State};
+
+/// Particles per block at most, unless one row of a grid has more.
+///
+/// A block's positions, velocities and forces (72 bytes per particle) stay in a core's second-level cache.
+const BLOCK_PARTICLES: usize = 4096;
+
+/// Everything that is constant during a run.
+///
+/// Invariants: the blocks cover all particles in ascending order without gaps; a block lies within one cloth and
+/// consists of whole rows.
+#[derive(Debug)]
+pub struct Model {
+    particles: Particles,
+    cloths: Vec<Cloth>,
+    forces: Vec<Box<dyn Force>>,
+    blocks: Vec<Range<usize>>,
+}
+
+/// One cloth of a [`Model`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cloth {
+    /// Name, unique in the model.
+    pub name: String,
+    /// Its particles.
+    pub grid: Grid,
+}
+
+impl Model {
+    /// Builds the model that `scene` describes.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        let mut particles = Particles::default();
+        let mut cloths = Vec::new();
+        let mut forces: Vec<Box<dyn Force>> = Vec::new();
+        let environment = scene.environment();
+        if environment.gravity != glam::DVec3::ZERO {
+            forces.push(Box::new(Gravity { acceleration: environment.gravity }));
+        }
+        for settings in scene.cloths() {
+            let grid = Grid::new(particles.len(), settings.grid);
+            let Fabric::Springs(fabric) = &scene.fabrics()[&settings.fabric];
+            particles.extend(grid.particle_count(), fabric.particle_mass, fabric.drag);
+            for pin in &settings.pins {
+                match *pin {
+                    PinSettings::Particle { column, row } => particles.pin(grid.particle(column, row)),
+                    PinSettings::Row(row) => {
+                        (0..grid.columns).for_each(|i| particles.pin(grid.particle(i, row)))
+                    }
+                    PinSettings::Column(column) => {
+                        (0..grid.rows).for_each(|j| particles.pin(grid.particle(column, j)));
+                    }
+                }
+            }
+            forces.push(Box::new(GridSprings::new(grid, fabric)));
+            cloths.push(Cloth { name: settings.name.clone(), grid });
+        }
+        for wind in &environment.winds {
+            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction } = *wind;
+            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction }));
+        }
+        let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
+        Self { particles, cloths, forces, blocks }
+    }
+
+    /// Masses, drags and pins.
+    #[must_use]
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// Cloths in the order of their particles.
+    #[must_use]
+    pub fn cloths(&self) -> &[Cloth] {
+        &self.cloths
+    }
+
+    /// Forces in the order in which they are added up.
+    #[must_use]
+    pub fn forces(&self) -> &[Box<dyn Force>] {
+        &self.forces
+    }
+
+    /// Ranges of particles that are worked on as one.
+    #[must_use]
+    pub fn blocks(&self) -> &[Range<usize>] {
+        &self.blocks
+    }
+
+    /// The state at time zero: every cloth at rest, flat and unstretched at its place.
+    #[must_use]
+    pub fn initial_state(&self, scene: &Scene) -> State {
+        let mut positions = Points::zeros(self.particles.len());
+        for (cloth, settings) in self.cloths.iter().zip(scene.cloths()) {
+            cloth.grid.place(&settings.place, &mut positions);
+        }
+        State::at_rest(positions)
+    }
+
+    /// What to draw: every cloth, thinned to at most `limit` vertices each.
+    ///
+    /// # Panics
+    /// If `limit` is zero.
+    #[must_use]
+    pub fn surface(&self, limit: usize) -> Surface {
+        let mut surface = Surface::default();
+        for Cloth { grid, .. } in &self.cloths {
+            surface.add_grid(grid.first_particle, grid.columns, grid.rows, limit);
+        }
+        surface
+    }
+
+    /// Number of springs of each family, in the order of [`Family::ALL`](crate::force::Family::ALL).
+    #[must_use]
+    pub fn spring_counts(&self) -> [u64; 3] {
+        let mut counts = [0; 3];
+        for force in &self.forces {
+            for (count, added) in counts.iter_mut().zip(force.spring_counts()) {
+                *count += added;
+            }
+        }
+        counts
+    }
+}

@@ -1,0 +1,307 @@
+//! All springs of a grid.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::law::{Spring, SpringLaw, TensionLaw};
+use super::{Configuration, Family, Force, PotentialEnergies, StrainSums};
+use crate::model::Grid;
+use crate::scene::{ForceDirection, SpringsFabric};
+use crate::{Points, PointsMut};
+
+/// Partial results that loops over springs keep side by side, so that the compiler can use vector registers.
+const LANES: usize = 8;
+
+/// The structural, shear and bend springs of one grid.
+///
+/// A particle has up to twelve neighbours at fixed places in the grid, so there are no index arrays: for each neighbour
+/// the loop runs over a row of particles and the row of their neighbours. A family without stiffness has no springs.
+#[derive(Clone, Debug)]
+pub struct GridSprings {
+    grid: Grid,
+    families: Vec<GridFamily>,
+}
+
+/// The springs of one family: a law and the places of the neighbours.
+#[derive(Clone, Debug)]
+struct GridFamily {
+    family: Family,
+    law: SpringLaw,
+    direction: ForceDirection,
+    neighbours: Vec<Neighbour>,
+}
+
+/// A neighbour's place in the grid, relative to a particle's.
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    columns: isize,
+    rows: isize,
+    rest_length: f64,
+}
+
+/// The particles of one row that have a certain neighbour, and the row of these neighbours.
+struct RowPair {
+    own: Range<usize>,
+    other: Range<usize>,
+}
+
+impl GridSprings {
+    /// The springs that `fabric` gives `grid`.
+    #[must_use]
+    pub fn new(grid: Grid, fabric: &SpringsFabric) -> Self {
+        let families = [
+            (Family::Structural, fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
+            (Family::Shear, fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
+            (Family::Bend, fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
+        ];
+        let families = families
+            .into_iter()
+            .filter(|(_, settings, _)| settings.stiffness > 0.0)
+            .map(|(family, settings, places)| GridFamily {
+                family,
+                law: SpringLaw::new(settings),
+                direction: fabric.force_direction,
+                neighbours: places.map(|(columns, rows)| Neighbour::new(&grid, columns, rows)).to_vec(),
+            })
+            .collect();
+        Self { grid, families }
+    }
+
+    /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
+    fn for_each_spring_row(&self, mut visit: impl FnMut(&GridFamily, RowPair, f64)) {
+        for family in &self.families {
+            for row in 0..self.grid.rows {
+                for neighbour in family.neighbours.iter().filter(|neighbour| neighbour.is_ahead()) {
+                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                        visit(family, pair, neighbour.rest_length);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with family, particle, neighbour and rest length, for the neighbours of each particle of `block`.
+    fn for_each_neighbour(
+        &self,
+        block: &Range<usize>,
+        mut visit: impl FnMut(&GridFamily, usize, usize, f64),
+    ) {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        for family in &self.families {
+            for row in rows.clone() {
+                for neighbour in &family.neighbours {
+                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                        for (own, other) in pair.own.zip(pair.other) {
+                            visit(family, own, other, neighbour.rest_length);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl GridFamily {
+    /// Axial tangent and coefficient c, both [N/m], of a spring of `rest_length` [m] and `length` [m].
+    fn stiffnesses(&self, rest_length: f64, length: f64) -> (f64, f64) {
+        match self.law {
+            SpringLaw::Linear(law) => {
+                let spring = Spring { law, rest_length, direction: self.direction };
+                (spring.axial_tangent(length), spring.coefficient(length))
+            }
+        }
+    }
+
+    /// `K u` [N] of a spring of `rest_length` [m] along `vector` [m] for the displacement u [m] between its ends.
+    fn tangent_product(&self, rest_length: f64, vector: DVec3, displacement: DVec3) -> DVec3 {
+        match self.law {
+            SpringLaw::Linear(law) => {
+                Spring { law, rest_length, direction: self.direction }.tangent_product(vector, displacement)
+            }
+        }
+    }
+
+    /// Energy [J] of a spring of `rest_length` [m] and `length` [m].
+    fn energy(&self, rest_length: f64, length: f64) -> f64 {
+        match self.law {
+            SpringLaw::Linear(law) => Spring { law, rest_length, direction: self.direction }.energy(length),
+        }
+    }
+}
+
+impl Neighbour {
+    fn new(grid: &Grid, columns: isize, rows: isize) -> Self {
+        let [across, along] = [columns as f64 * grid.column_spacing, rows as f64 * grid.row_spacing];
+        Self { columns, rows, rest_length: (across * across + along * along).sqrt() }
+    }
+
+    /// Whether this end numbers the spring: one of two opposite neighbours does.
+    fn is_ahead(&self) -> bool {
+        0 < self.rows || (self.rows == 0 && 0 < self.columns)
+    }
+
+    /// The particles of `row` that have this neighbour, or `None` if there are none.
+    fn row_pair(&self, grid: &Grid, row: usize) -> Option<RowPair> {
+        let other_row = row.checked_add_signed(self.rows).filter(|&other| other < grid.rows)?;
+        let first = self.columns.min(0).unsigned_abs();
+        let end = grid.columns.checked_sub(self.columns.max(0).unsigned_abs()).filter(|&end| first < end)?;
+        let start = grid.particle(first, row);
+        let other_start = grid.particle(first.checked_add_signed(self.columns)?, other_row);
+        let count = end - first;
+        Some(RowPair { own: start..start + count, other: other_start..other_start + count })
+    }
+}
+
+/// Adds the forces of springs from `own` to `other` particles; `offset` is the first particle of `forces`.
+fn add_row_forces<L: TensionLaw>(
+    spring: &Spring<L>,
+    positions: &Points,
+    pair: &RowPair,
+    offset: usize,
+    forces: &mut PointsMut<'_>,
+) {
+    let count = pair.own.len();
+    let target = pair.own.start - offset..pair.own.end - offset;
+    let [x, y, z] =
+        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.own.clone()][..count]);
+    let [other_x, other_y, other_z] =
+        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.other.clone()][..count]);
+    let force_x = &mut forces.x[target.clone()][..count];
+    let force_y = &mut forces.y[target.clone()][..count];
+    let force_z = &mut forces.z[target][..count];
+    for i in 0..count {
+        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
+        let length = (dx * dx + dy * dy + dz * dz).sqrt();
+        let coefficient = spring.coefficient(length);
+        force_x[i] += coefficient * dx;
+        force_y[i] += coefficient * dy;
+        force_z[i] += coefficient * dz;
+    }
+}
+
+/// The largest squared length [m²] of the springs between `own` and `other` particles.
+fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
+    let count = pair.own.len();
+    let [x, y, z] =
+        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.own.clone()][..count]);
+    let [other_x, other_y, other_z] =
+        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.other.clone()][..count]);
+    let length_squared = |i: usize| {
+        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
+        dx * dx + dy * dy + dz * dz
+    };
+    let mut maxima = [0.0_f64; LANES];
+    let whole = count - count % LANES;
+    for start in (0..whole).step_by(LANES) {
+        for (lane, max) in maxima.iter_mut().enumerate() {
+            let value = length_squared(start + lane);
+            *max = if value > *max { value } else { *max };
+        }
+    }
+    (whole..count).map(length_squared).chain(maxima).fold(0.0, f64::max)
+}
+
+impl Force for GridSprings {
+    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        for family in &self.families {
+            for row in rows.clone() {
+                for neighbour in &family.neighbours {
+                    let Some(pair) = neighbour.row_pair(&self.grid, row) else { continue };
+                    let (rest_length, direction) = (neighbour.rest_length, family.direction);
+                    match family.law {
+                        SpringLaw::Linear(law) => {
+                            let spring = Spring { law, rest_length, direction };
+                            add_row_forces(&spring, at.positions, &pair, block.start, forces);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_tangent_products(
+        &self,
+        at: Configuration<'_>,
+        displacements: &Points,
+        block: &Range<usize>,
+        products: &mut PointsMut<'_>,
+    ) {
+        self.for_each_neighbour(block, |family, own, other, rest_length| {
+            let vector = at.positions.get(other) - at.positions.get(own);
+            let displacement = displacements.get(own) - displacements.get(other);
+            products.add(own - block.start, family.tangent_product(rest_length, vector, displacement));
+        });
+    }
+
+    fn add_tangent_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        let pinned = at.particles.pinned();
+        self.for_each_neighbour(block, |family, own, other, rest_length| {
+            let length = at.positions.get(own).distance(at.positions.get(other));
+            let (along, across) = family.stiffnesses(rest_length, length);
+            // The spring adds K to the particle's own column and −K to its neighbour's, which a pin removes.
+            let columns = if pinned[other] { 1.0 } else { 2.0 };
+            bounds[own - block.start] += columns * along.abs().max(across.abs());
+        });
+    }
+
+    fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
+        self.for_each_spring_row(|family, pair, rest_length| {
+            for (own, other) in pair.own.zip(pair.other) {
+                let length = at.positions.get(own).distance(at.positions.get(other));
+                energies.elastic[family.family as usize] += family.energy(rest_length, length);
+            }
+        });
+    }
+
+    fn spring_counts(&self) -> [u64; 3] {
+        let mut counts = [0; 3];
+        self.for_each_spring_row(|family, pair, _| counts[family.family as usize] += pair.own.len() as u64);
+        counts
+    }
+
+    fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {
+        self.for_each_spring_row(|family, pair, rest_length| {
+            let sums = &mut strains[family.family as usize];
+            for (own, other) in pair.own.zip(pair.other) {
+                let vector = at.positions.get(other) - at.positions.get(own);
+                let strain = strain(vector.length_squared(), rest_length);
+                sums.count += 1;
+                sums.min = sums.min.min(strain);
+                sums.max = sums.max.max(strain);
+                sums.sum += strain;
+            }
+        });
+    }
+
+    fn raise_max_strains(&self, at: Configuration<'_>, max_strains: &mut [f64; 3]) {
+        self.for_each_spring_row(|family, pair, rest_length| {
+            let max = &mut max_strains[family.family as usize];
+            *max = max.max(strain(max_length_squared(at.positions, &pair), rest_length));
+        });
+    }
+
+    fn eval_particle_strains(&self, at: Configuration<'_>, strains: &mut [f32]) {
+        let mut raise = |particle: usize, value: f64| {
+            if f64::from(strains[particle]).abs() < value.abs() {
+                strains[particle] = value as f32;
+            }
+        };
+        self.for_each_spring_row(|family, pair, rest_length| {
+            if family.family == Family::Structural {
+                for (own, other) in pair.own.zip(pair.other) {
+                    let vector = at.positions.get(other) - at.positions.get(own);
+                    let value = strain(vector.length_squared(), rest_length);
+                    raise(own, value);
+                    raise(other, value);
+                }
+            }
+        });
+    }
+}
+
+/// Strain e = ℓ / L − 1 [1] from the squared length [m²] and the rest length [m].
+fn strain(length_squared: f64, rest_length: f64) -> f64 {
+    (length_squared.sqrt() - rest_length) / rest_length
+}

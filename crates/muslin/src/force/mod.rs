@@ -1,0 +1,144 @@
+//! Forces, each of one kind for all particles at once.
+//!
+//! A [`Force`] is asked for whole blocks of particles, never for one. It *gathers*: what it adds to a particle it
+//! computes from that particle's neighbours in a fixed order, so that no division of work among threads changes a sum.
+
+mod gravity;
+mod grid_springs;
+mod law;
+mod wind;
+
+use std::fmt;
+use std::ops::Range;
+
+pub use gravity::Gravity;
+pub use grid_springs::GridSprings;
+pub use law::{LinearLaw, Spring, SpringLaw, TensionLaw};
+pub use wind::ParticleWind;
+
+use crate::model::Particles;
+use crate::{Points, PointsMut};
+
+/// Where all particles are at one time, and what they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Configuration<'a> {
+    /// Simulated time [s].
+    pub time: f64,
+    /// Masses, drags and pins.
+    pub particles: &'a Particles,
+    /// Positions [m], one per particle.
+    pub positions: &'a Points,
+}
+
+/// A family of springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// To the next particle along the grid.
+    Structural,
+    /// To the next particle along the diagonals.
+    Shear,
+    /// To the next particle but one along the grid.
+    Bend,
+}
+
+impl Family {
+    /// All families; a family's place here is its index in arrays per family.
+    pub const ALL: [Self; 3] = [Self::Structural, Self::Shear, Self::Bend];
+
+    /// Name in scene files and results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Structural => "structural",
+            Self::Shear => "shear",
+            Self::Bend => "bend",
+        }
+    }
+}
+
+/// Potential energies [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PotentialEnergies {
+    /// Of springs, per family in the order of [`Family::ALL`].
+    pub elastic: [f64; 3],
+    /// Of gravity; zero at the origin.
+    pub gravitational: f64,
+}
+
+/// Strains e = (ℓ − L) / L [1] of one family of springs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrainSums {
+    /// Number of springs.
+    pub count: u64,
+    /// Smallest strain; +∞ without springs.
+    pub min: f64,
+    /// Largest strain; −∞ without springs.
+    pub max: f64,
+    /// Sum of the strains.
+    pub sum: f64,
+}
+
+impl Default for StrainSums {
+    fn default() -> Self {
+        Self { count: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, sum: 0.0 }
+    }
+}
+
+/// A force on all particles.
+///
+/// `block` is one of the model's [`blocks`](crate::Model::blocks); arrays named after what is added hold one entry per
+/// particle of the block, everything in [`Configuration`] one per particle of the model.
+pub trait Force: fmt::Debug + Send + Sync {
+    /// Adds the force [N] on every particle of `block`.
+    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>);
+
+    /// Adds `K u` [N], with the tangent `K = −∂F/∂x` [N/m] and `displacements` u [m] of all particles.
+    fn add_tangent_products(
+        &self,
+        at: Configuration<'_>,
+        displacements: &Points,
+        block: &Range<usize>,
+        products: &mut PointsMut<'_>,
+    ) {
+        let _ = (at, displacements, block, products);
+    }
+
+    /// Adds a bound [N/m] on the sum of the norms of each particle's row of the tangent `K`, pinned columns left out.
+    ///
+    /// By Gershgorin's theorem no mode is faster than the largest `√(bound / mass)`.
+    fn add_tangent_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        let _ = (at, block, bounds);
+    }
+
+    /// Adds the potential energy [J] of all particles, if the force has one.
+    fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
+        let _ = (at, energies);
+    }
+
+    /// Whether the force has no potential energy, so that its work has to be summed along the way.
+    fn is_external(&self) -> bool {
+        false
+    }
+
+    /// Number of springs per family, in the order of [`Family::ALL`].
+    fn spring_counts(&self) -> [u64; 3] {
+        [0; 3]
+    }
+
+    /// Adds the strains of all springs, per family in the order of [`Family::ALL`].
+    fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {
+        let _ = (at, strains);
+    }
+
+    /// Raises `max_strains` [1] to the largest strain of any spring, per family in the order of [`Family::ALL`].
+    ///
+    /// The same as the maxima of [`add_strains`](Self::add_strains), but cheap enough for every step.
+    fn raise_max_strains(&self, at: Configuration<'_>, max_strains: &mut [f64; 3]) {
+        let _ = (at, max_strains);
+    }
+
+    /// Replaces the strain [1] of each particle that has structural springs by the one farthest from zero among them.
+    fn eval_particle_strains(&self, at: Configuration<'_>, strains: &mut [f32]) {
+        let _ = (at, strains);
+    }
+}

@@ -1,0 +1,50 @@
+//! Wind.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::{Configuration, Force};
+use crate::PointsMut;
+
+/// The paper's wind: the same force on every particle, wherever it is and whatever way the cloth faces.
+///
+/// ```text
+/// F = A sin(ω t + φ) d [N]
+/// ```
+///
+/// It changes sign, so it blows backwards half of the time, and it acts like a gravity that turns: a pinned sheet swings
+/// in it but cannot flutter. Source: Luo, Miyaki, Yamasaki, Aizawa, "Dynamic 3D Simulation of Fabric Based on Improved
+/// Mass-Spring Model", section 2, whose ω is called a period but multiplies the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleWind {
+    /// Amplitude A [N].
+    pub amplitude: f64,
+    /// Angular frequency ω [rad/s].
+    pub angular_frequency: f64,
+    /// Phase φ [rad].
+    pub phase: f64,
+    /// Direction d [1], of unit length.
+    pub direction: DVec3,
+}
+
+impl ParticleWind {
+    /// Force [N] on every particle at `time` [s].
+    #[must_use]
+    pub fn force(&self, time: f64) -> DVec3 {
+        self.direction * (self.amplitude * libm::sin(self.angular_frequency * time + self.phase))
+    }
+}
+
+impl Force for ParticleWind {
+    fn add_forces(&self, at: Configuration<'_>, _block: &Range<usize>, forces: &mut PointsMut<'_>) {
+        let force = self.force(at.time);
+        forces.x.iter_mut().for_each(|value| *value += force.x);
+        forces.y.iter_mut().for_each(|value| *value += force.y);
+        forces.z.iter_mut().for_each(|value| *value += force.z);
+    }
+
+    fn is_external(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,25 @@
+//! What changes during a run.
+
+use crate::Points;
+
+/// Time, positions and velocities of all particles: what a method needs to go on, and nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Simulated time [s].
+    pub time: f64,
+    /// Positions [m] at [`time`](Self::time), one per particle.
+    pub positions: Points,
+    /// Velocities [m/s] half of [`last_step`](Self::last_step) before [`time`](Self::time), one per particle.
+    pub velocities: Points,
+    /// The step that led here [s]; zero if the velocities are those at [`time`](Self::time) itself.
+    pub last_step: f64,
+}
+
+impl State {
+    /// Particles at rest at time zero at `positions` [m].
+    #[must_use]
+    pub fn at_rest(positions: Points) -> Self {
+        let velocities = Points::zeros(positions.len());
+        Self { time: 0.0, positions, velocities, last_step: 0.0 }
+    }
+}
