@@ -62,7 +62,7 @@ impl Model {
                 match *pin {
                     PinSettings::Particle { column, row } => particles.pin(grid.particle(column, row)),
                     PinSettings::Row(row) => {
-                        (0..grid.columns).for_each(|i| particles.pin(grid.particle(i, row)))
+                        (0..grid.columns).for_each(|i| particles.pin(grid.particle(i, row)));
                     }
                     PinSettings::Column(column) => {
                         (0..grid.rows).for_each(|j| particles.pin(grid.particle(column, j)));

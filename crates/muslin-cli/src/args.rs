@@ -1,0 +1,75 @@
+//! The command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+/// Simulate cloth: from a scene file to pictures, pages and arrays.
+#[derive(Debug, Parser)]
+#[command(name = "muslin", version, arg_required_else_help = true, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Simulate a scene and write what comes out into a folder
+    Run(RunArguments),
+    /// Parse and build a scene only: particles, springs, masses, stable step, estimated cost
+    Check(CheckArguments),
+    /// Run again from what a folder records and compare every hash
+    Verify(VerifyArguments),
+    /// Open a folder's page in the browser
+    View {
+        /// Folder that a run wrote
+        dir: PathBuf,
+    },
+    /// Print a commented scene to start from
+    New {
+        /// Name of the scene; leave it out for the list
+        name: Option<String>,
+    },
+    /// Print the JSON Schema of the scene file
+    Schema,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct RunArguments {
+    /// Scene file (TOML)
+    pub(crate) scene: PathBuf,
+    /// Folder to write; `out/NAME` for a scene file NAME.toml if left out
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Go on with the interrupted run in the folder
+    #[arg(long, conflicts_with = "force")]
+    pub(crate) resume: bool,
+    /// Replace what an earlier run wrote into the folder
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Change a value of the scene, as in `--set run.duration=1.0`; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) assignments: Vec<String>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct CheckArguments {
+    /// Scene file (TOML)
+    pub(crate) scene: PathBuf,
+    /// Change a value of the scene, as in `--set run.duration=1.0`; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) assignments: Vec<String>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct VerifyArguments {
+    /// Folder that a run wrote
+    pub(crate) dir: PathBuf,
+    /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}
