@@ -1,5 +1,21 @@
 //! From scene text to a checked [`Scene`].
 
+mod error;
+mod excerpt;
+mod read;
 mod settings;
 
+pub use error::{Position, SceneError, SceneErrorKind};
 pub use settings::*;
+
+/// The longest scene text [B] that [`Scene::parse`] reads.
+pub const MAX_SCENE_BYTES: usize = 1 << 20;
+
+/// The most particles that all cloths of a scene may have together.
+pub const MAX_PARTICLES: u64 = 1 << 31;
+
+/// The most frames after the first that a run may have.
+pub const MAX_FRAME_INTERVALS: u64 = 10_000_000;
+
+/// The most steps from one frame to the next.
+pub const MAX_STEPS_PER_FRAME: u64 = u32::MAX as u64;

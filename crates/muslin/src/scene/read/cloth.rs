@@ -1,0 +1,200 @@
+//! `[[cloth]]`: grids of particles, where they are and what holds them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::table::{Entry, Table};
+use super::value::{NumberRule, Value};
+use crate::scene::error::{SceneErrorKind, quoted};
+use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, PinSettings, Placement, SceneError};
+
+/// How far from perpendicular two unit axes may be: their scalar product, so an angle [rad].
+const PERPENDICULAR_TOLERANCE: f64 = 1e-9;
+
+pub(super) fn read(
+    entry: Entry,
+    fabrics: &BTreeMap<String, Fabric>,
+) -> Result<Vec<ClothSettings>, SceneError> {
+    const HELP: &str = "add a table `[[cloth]]` with name, fabric, grid and place";
+    let value = entry.required("", HELP)?;
+    let tables = value.clone().tables("write `[[cloth]]`, one for each cloth")?;
+    if tables.is_empty() {
+        return Err(value.error(SceneErrorKind::Missing {
+            key: "cloth.0".to_owned(),
+            unit: "",
+            help: HELP.to_owned(),
+        }));
+    }
+    let mut paths_by_name = HashMap::new();
+    let mut free_particles = MAX_PARTICLES;
+    let mut cloths = Vec::with_capacity(tables.len());
+    for table in tables {
+        let path = table.path().to_owned();
+        let name = table.peek("name");
+        let cloth = read_cloth(table, fabrics, &mut free_particles)?;
+        if let Some(other) = paths_by_name.insert(cloth.name.clone(), path) {
+            let name = name.required("", "")?;
+            let (key, value) = (name.path.clone(), quoted(&cloth.name));
+            return Err(name.error(SceneErrorKind::DuplicateName { key, value, other }));
+        }
+        cloths.push(cloth);
+    }
+    Ok(cloths)
+}
+
+fn read_cloth(
+    mut table: Table,
+    fabrics: &BTreeMap<String, Fabric>,
+    free_particles: &mut u64,
+) -> Result<ClothSettings, SceneError> {
+    let name = table.take("name");
+    let fabric = table.take("fabric");
+    let grid = table.take("grid");
+    let place = table.take("place");
+    let pins = table.take("pins");
+    table.finish()?;
+
+    let name = name.required("", "write `name = \"...\"`")?;
+    if name.string()?.is_empty() {
+        return Err(name.out_of_range("", "at least one character long", ""));
+    }
+    let fabric = fabric.required("", "write `fabric = \"NAME\"` for a table `[fabric.NAME]`")?;
+    if !fabrics.contains_key(fabric.string()?) {
+        let names = fabrics.keys().map(String::as_str);
+        return Err(fabric.unknown_name("no fabric has that name", names));
+    }
+    let grid = read_grid(grid, free_particles)?;
+    Ok(ClothSettings {
+        name: name.string()?.to_owned(),
+        fabric: fabric.string()?.to_owned(),
+        place: read_place(place)?,
+        pins: read_pins(pins, grid)?,
+        grid,
+    })
+}
+
+fn read_grid(entry: Entry, free_particles: &mut u64) -> Result<GridSettings, SceneError> {
+    const HELP: &str = "write `grid = { columns = 10, rows = 10, width = 1.0, height = 1.0 }`";
+    let mut table = entry.required("", HELP)?.table(HELP)?;
+    let columns = table.take("columns");
+    let rows = table.take("rows");
+    let width = table.take("width");
+    let height = table.take("height");
+    table.finish()?;
+
+    let count = |entry: Entry| -> Result<u64, SceneError> {
+        let count = entry.required("", HELP)?.integer(1, MAX_PARTICLES.cast_signed())?;
+        Ok(count.cast_unsigned())
+    };
+    let (columns, rows) = (count(columns)?, count(rows)?);
+    // Neither is above MAX_PARTICLES, so that the product fits.
+    let particles = columns * rows;
+    let Some(free) = free_particles.checked_sub(particles) else {
+        return Err(table.error(SceneErrorKind::Inconsistent {
+            message: format!(
+                "`{}` has {columns} x {rows} particles, but all cloths together must have at most {MAX_PARTICLES}",
+                table.path()
+            ),
+            help: String::new(),
+        }));
+    };
+    *free_particles = free;
+    Ok(GridSettings {
+        columns: columns as usize,
+        rows: rows as usize,
+        width: read_extent(width, columns)?,
+        height: read_extent(height, rows)?,
+    })
+}
+
+/// Distance [m] from the first to the last of `count` particles.
+fn read_extent(entry: Entry, count: u64) -> Result<f64, SceneError> {
+    if 1 < count {
+        return entry.number("m", NumberRule::Positive);
+    }
+    if let Some(extent) = entry.optional() {
+        extent.number("m", NumberRule::NotNegative)?;
+    }
+    Ok(0.0)
+}
+
+fn read_place(entry: Entry) -> Result<Placement, SceneError> {
+    const HELP: &str =
+        "write `place = { origin = [0, 1, 0], width_axis = [1, 0, 0], height_axis = [0, 0, 1] }`";
+    let mut table = entry.required("", HELP)?.table(HELP)?;
+    let origin = table.take("origin");
+    let width_axis = table.take("width_axis");
+    let height_axis = table.take("height_axis");
+    table.finish()?;
+
+    let place = Placement {
+        origin: origin.vector("m")?,
+        width_axis: width_axis.direction()?,
+        height_axis: height_axis.direction()?,
+    };
+    let cosine = place.width_axis.dot(place.height_axis);
+    if PERPENDICULAR_TOLERANCE < cosine.abs() {
+        return Err(table.error(SceneErrorKind::Inconsistent {
+            message: format!(
+                "the axes of `{}` are at {:.3} degrees, but must be perpendicular",
+                table.path(),
+                libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees()
+            ),
+            help: perpendicular_help(place),
+        }));
+    }
+    Ok(place)
+}
+
+/// The height axis nearest to that of `place` which is perpendicular to its width axis, if there is one.
+fn perpendicular_help(place: Placement) -> String {
+    let across = place.height_axis - place.width_axis * place.width_axis.dot(place.height_axis);
+    match across.try_normalize() {
+        Some(axis) if axis.dot(place.width_axis).abs() <= PERPENDICULAR_TOLERANCE => {
+            format!("the nearest is `height_axis = [{:?}, {:?}, {:?}]`", axis.x, axis.y, axis.z)
+        }
+        _ => "write two axes of different directions".to_owned(),
+    }
+}
+
+fn read_pins(entry: Entry, grid: GridSettings) -> Result<Vec<PinSettings>, SceneError> {
+    const HELP: &str = "write `pins = [{ column = 0, row = 0 }, { row = -1 }]`";
+    match entry.optional() {
+        None => Ok(Vec::new()),
+        Some(pins) => pins.tables(HELP)?.into_iter().map(|pin| read_pin(pin, grid)).collect(),
+    }
+}
+
+fn read_pin(mut table: Table, grid: GridSettings) -> Result<PinSettings, SceneError> {
+    if let Some(motion) = table.peek("motion").optional() {
+        return Err(motion.not_available("a moving pin", "leave it out: the pin holds its place"));
+    }
+    let column = table.take("column");
+    let row = table.take("row");
+    table.finish()?;
+
+    let column = column.optional().map(|index| read_index(&index, "columns", grid.columns)).transpose()?;
+    let row = row.optional().map(|index| read_index(&index, "rows", grid.rows)).transpose()?;
+    match (column, row) {
+        (Some(column), Some(row)) => Ok(PinSettings::Particle { column, row }),
+        (None, Some(row)) => Ok(PinSettings::Row(row)),
+        (Some(column), None) => Ok(PinSettings::Column(column)),
+        (None, None) => Err(table.error(SceneErrorKind::Inconsistent {
+            message: format!("`{}` names neither a column nor a row", table.path()),
+            help: "write `{ column = 0, row = 0 }`, `{ row = 0 }` or `{ column = 0 }`".to_owned(),
+        })),
+    }
+}
+
+/// An index below `count`; a negative one counts from the end.
+fn read_index(value: &Value, what: &str, count: usize) -> Result<usize, SceneError> {
+    let index = value.integer(i64::MIN, i64::MAX)?;
+    let from_start = if index < 0 { index.checked_add_unsigned(count as u64) } else { Some(index) };
+    match from_start.and_then(|index| usize::try_from(index).ok()) {
+        Some(index) if index < count => Ok(index),
+        _ => Err(value.out_of_range(
+            "",
+            &format!("from 0 to {} or from -{count} to -1", count - 1),
+            &format!("the grid has {count} {what}; negative indices count from the end"),
+        )),
+    }
+}

@@ -1,0 +1,99 @@
+//! A scene with every key that this version knows, and every value that comes out of it.
+
+use glam::DVec3;
+use muslin::scene::{
+    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method, PinSettings,
+    Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+};
+
+const COMPLETE: &str = include_str!("scenes/complete.toml");
+
+#[test]
+fn every_value_of_a_complete_scene_is_read() {
+    let scene =
+        Scene::parse(COMPLETE).unwrap_or_else(|error| panic!("{}", error.render("complete", COMPLETE)));
+    assert_eq!(scene.title(), "Hanging cloth");
+
+    let run = scene.run();
+    assert_eq!((run.duration, run.frame_rate, run.frame_intervals), (3.0, 50.0, 150));
+    assert_eq!(run.method, Method::CentralDifference);
+    assert_eq!(run.step, StepRule::Constant { steps_per_frame: 20 });
+    assert_eq!((run.start, run.seed, run.allow_unstable), (Start::AsPrinted, 7, true));
+
+    assert_eq!(scene.environment().gravity, DVec3::new(0.0, -9.81, 0.0));
+    assert_eq!(
+        scene.environment().winds,
+        [
+            WindSettings::ParticleForce {
+                amplitude: 0.002,
+                angular_frequency: 6.0,
+                phase: -0.5,
+                direction: DVec3::Z,
+            },
+            WindSettings::ParticleForce {
+                amplitude: 1.0,
+                angular_frequency: 0.0,
+                phase: 1.5,
+                direction: DVec3::new(0.6, 0.0, -0.8),
+            },
+        ]
+    );
+
+    let springs = |stiffness| SpringSettings { stiffness, law: SpringLawSettings::Linear };
+    assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["paper", "stiff paper"]);
+    let Fabric::Springs(paper) = &scene.fabrics()["paper"];
+    assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
+    assert_eq!(paper.force_direction, ForceDirection::RestLength);
+    assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
+    assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
+    assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
+    assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
+
+    let [sheet, thread] = scene.cloths() else { panic!("two cloths") };
+    assert_eq!((sheet.name.as_str(), sheet.fabric.as_str()), ("sheet", "paper"));
+    assert_eq!(sheet.grid, GridSettings { columns: 10, rows: 20, width: 1.0, height: 2.5 });
+    assert_eq!(sheet.place.origin, DVec3::new(-0.5, 1.0, 0.0));
+    assert_eq!((sheet.place.width_axis, sheet.place.height_axis), (DVec3::X, DVec3::Z));
+    assert_eq!(
+        sheet.pins,
+        [
+            PinSettings::Particle { column: 0, row: 0 },
+            PinSettings::Particle { column: 9, row: 0 },
+            PinSettings::Row(19),
+            PinSettings::Column(0),
+        ]
+    );
+    assert_eq!((thread.name.as_str(), thread.fabric.as_str()), ("糸", "stiff paper"));
+    assert_eq!(thread.grid, GridSettings { columns: 1, rows: 5, width: 0.0, height: 0.4 });
+    assert_eq!(thread.place.width_axis, DVec3::new(1.0, 1.0, 0.0) / 2.0_f64.sqrt());
+    assert_eq!(thread.place.height_axis, DVec3::NEG_Z);
+    assert_eq!(thread.pins, [PinSettings::Row(0), PinSettings::Row(4)]);
+
+    let expectation = |quantity, range| Expectation { quantity, range };
+    assert_eq!(
+        scene.expectations(),
+        [
+            expectation(ExpectedQuantity::LowestPoint, ExpectedRange::Between(-0.02, 0.01)),
+            expectation(ExpectedQuantity::MaxStrain, ExpectedRange::Below(0.0943)),
+            expectation(ExpectedQuantity::EnergyResidual, ExpectedRange::Above(0.0)),
+        ]
+    );
+}
+
+/// What a scene may leave out has the value that the reference states.
+#[test]
+fn a_short_scene_has_the_stated_defaults() {
+    let text = include_str!("scenes/short.toml");
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{}", error.render("short", text)));
+    let run = scene.run();
+    assert_eq!((run.frame_rate, run.frame_intervals), (60.0, 30));
+    assert_eq!(run.step, StepRule::Constant { steps_per_frame: 1 });
+    assert_eq!(run.method, Method::CentralDifference);
+    assert_eq!((run.start, run.seed, run.allow_unstable), (Start::Consistent, 0, false));
+    assert!(scene.environment().winds.is_empty() && scene.expectations().is_empty());
+    let Fabric::Springs(fabric) = &scene.fabrics()["f"];
+    assert_eq!(fabric.force_direction, ForceDirection::CurrentLength);
+    assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
+    assert!(scene.cloths()[0].pins.is_empty());
+}
