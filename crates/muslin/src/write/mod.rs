@@ -1,8 +1,13 @@
 //! Formats, each written to an `impl Write`. Nothing here opens a file.
 
+pub mod npz;
+mod trajectory;
+
 use std::io;
 
 use crate::Points;
+
+pub use trajectory::{MotionSource, TrajectoryReader, write_trajectory};
 
 /// The frames of a run, read again one at a time and in any order.
 ///
