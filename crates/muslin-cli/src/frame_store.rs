@@ -1,18 +1,15 @@
 //! The frames of a run on disk, and the checkpoint from which it can go on.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use muslin::observe::{Frame, FrameRecord, Recorder, StepCounts};
-use muslin::write::FrameSource;
+use muslin::write::{FrameSource, MotionSource, POINT_BYTES, read_points, write_points};
 use muslin::{Model, Points, State};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
-
-/// Name of the folder inside the output folder that holds a run in progress.
-pub(crate) const PARTIAL: &str = ".partial";
 
 const POSITIONS: &str = "positions.f64";
 const VELOCITIES: &str = "velocities.f64";
@@ -25,7 +22,6 @@ pub(crate) struct FrameStore {
     frame_count: u64,
     positions: BufWriter<File>,
     velocities: BufWriter<File>,
-    bytes: Vec<u8>,
 }
 
 /// What a run needs to go on from a frame, beside the frames themselves and the velocities of the half step before it.
@@ -58,7 +54,6 @@ impl FrameStore {
             frame_count: 0,
             positions: create(POSITIONS)?,
             velocities: create(VELOCITIES)?,
-            bytes: Vec::new(),
         })
     }
 
@@ -89,26 +84,19 @@ impl FrameStore {
             frame_count,
             positions: open(POSITIONS)?,
             velocities: open(VELOCITIES)?,
-            bytes: Vec::new(),
         })
     }
 
     /// Appends a frame.
     pub(crate) fn push(&mut self, frame: &Frame<'_>) -> Result<(), CliError> {
-        interleave(&frame.state.positions, &mut self.bytes);
-        let path = self.folder.join(POSITIONS);
-        self.positions.write_all(&self.bytes).map_err(|error| CliError::write(&path, &error))?;
-        interleave(frame.velocities, &mut self.bytes);
-        let path = self.folder.join(VELOCITIES);
-        self.velocities.write_all(&self.bytes).map_err(|error| CliError::write(&path, &error))?;
+        let arrays = [
+            (&mut self.positions, &frame.state.positions, POSITIONS),
+            (&mut self.velocities, frame.velocities, VELOCITIES),
+        ];
+        for (file, points, name) in arrays {
+            write_points(file, points).map_err(|error| CliError::write(&self.folder.join(name), &error))?;
+        }
         self.frame_count += 1;
-        Ok(())
-    }
-
-    /// Forgets all frames after the first `frame_count`, and makes the rest readable.
-    pub(crate) fn finish(&mut self, frame_count: u64) -> Result<(), CliError> {
-        self.flush()?;
-        self.frame_count = self.frame_count.min(frame_count);
         Ok(())
     }
 
@@ -122,8 +110,7 @@ impl FrameStore {
     ) -> Result<(), CliError> {
         self.flush()?;
         let velocities = self.folder.join(half_step_file(frame.index));
-        interleave(&frame.state.velocities, &mut self.bytes);
-        write_whole(&velocities, &self.bytes).map_err(|error| CliError::write(&velocities, &error))?;
+        write_whole(&velocities, |out| write_points(out, &frame.state.velocities))?;
         let checkpoint = Checkpoint {
             scene_hash: scene_hash.to_owned(),
             frame_index: frame.index,
@@ -136,8 +123,7 @@ impl FrameStore {
             stepping_seconds,
         };
         let path = self.folder.join(CHECKPOINT);
-        let text = serde_json::to_vec(&checkpoint).map_err(io::Error::from);
-        text.and_then(|text| write_whole(&path, &text)).map_err(|error| CliError::write(&path, &error))?;
+        write_whole(&path, |out| Ok(serde_json::to_writer(out, &checkpoint)?))?;
         self.remove_older_half_steps(frame.index);
         Ok(())
     }
@@ -153,25 +139,14 @@ impl FrameStore {
         }
     }
 
-    fn flush(&mut self) -> Result<(), CliError> {
+    /// Makes all frames readable.
+    pub(crate) fn flush(&mut self) -> Result<(), CliError> {
         for (file, name) in [(&mut self.positions, POSITIONS), (&mut self.velocities, VELOCITIES)] {
             file.flush().map_err(|error| CliError::write(&self.folder.join(name), &error))?;
         }
         Ok(())
     }
 
-    /// Opens the raw positions and velocities for reading, each with its length in bytes.
-    pub(crate) fn raw_arrays(&mut self) -> io::Result<[impl Read; 2]> {
-        let length = self.frame_count * frame_bytes(self.particle_count);
-        let open = |name: &str| File::open(self.folder.join(name)).map(|file| file.take(length));
-        Ok([open(POSITIONS)?, open(VELOCITIES)?])
-    }
-
-    /// Overwrites `velocities` with those [m/s] of all particles in frame `frame`.
-    pub(crate) fn read_velocities(&mut self, frame: usize, velocities: &mut Points) -> io::Result<()> {
-        let offset = frame as u64 * frame_bytes(self.particle_count);
-        read_points(self.velocities.get_mut(), offset, self.particle_count, velocities)
-    }
 }
 
 impl FrameSource for FrameStore {
@@ -181,7 +156,14 @@ impl FrameSource for FrameStore {
 
     fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
         let offset = frame as u64 * frame_bytes(self.particle_count);
-        read_points(self.positions.get_mut(), offset, self.particle_count, positions)
+        read_at(self.positions.get_mut(), offset, self.particle_count, positions)
+    }
+}
+
+impl MotionSource for FrameStore {
+    fn read_velocities(&mut self, frame: usize, velocities: &mut Points) -> io::Result<()> {
+        let offset = frame as u64 * frame_bytes(self.particle_count);
+        read_at(self.velocities.get_mut(), offset, self.particle_count, velocities)
     }
 }
 
@@ -209,7 +191,7 @@ impl Checkpoint {
         let path = store.folder.join(half_step_file(self.frame_index));
         let mut read = || {
             store.read_positions(self.frame_index as usize, &mut state.positions)?;
-            read_points(&mut File::open(&path)?, 0, store.particle_count, &mut state.velocities)
+            read_at(&mut File::open(&path)?, 0, store.particle_count, &mut state.velocities)
         };
         read().map_err(|error| CliError::read(&path, &error, "start again with `--force`"))?;
         Ok(state)
@@ -229,43 +211,35 @@ fn half_step_file(frame_index: u64) -> String {
 }
 
 /// Writes a file beside its name and renames it when whole.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let temporary = path.with_extension("new");
-    fs::write(&temporary, bytes)?;
-    fs::rename(&temporary, path)
+pub(crate) fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), CliError> {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(".new");
+    let write = || {
+        let mut out = BufWriter::with_capacity(1 << 20, File::create(&temporary)?);
+        write(&mut out)?;
+        out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        fs::rename(&temporary, path)
+    };
+    write().map_err(|error| {
+        // What is not whole must not take up room that the way out may need.
+        let _ = fs::remove_file(&temporary);
+        CliError::write(path, &error)
+    })
 }
 
 /// Bytes of one array of one frame.
 fn frame_bytes(particle_count: usize) -> u64 {
-    24 * particle_count as u64
-}
-
-/// Overwrites `bytes` with `x y z` of each point as little-endian doubles.
-fn interleave(points: &Points, bytes: &mut Vec<u8>) {
-    bytes.clear();
-    bytes.reserve(24 * points.len());
-    for point in points.iter() {
-        for value in point.to_array() {
-            bytes.extend_from_slice(&value.to_le_bytes());
-        }
-    }
+    (POINT_BYTES * particle_count) as u64
 }
 
 /// Overwrites `points` with the `count` points at byte `offset` of `file`.
-fn read_points(file: &mut File, offset: u64, count: usize, points: &mut Points) -> io::Result<()> {
+fn read_at(file: &mut File, offset: u64, count: usize, points: &mut Points) -> io::Result<()> {
     file.seek(SeekFrom::Start(offset))?;
-    let mut bytes = vec![0; 24 * count];
-    file.read_exact(&mut bytes)?;
-    if points.len() != count {
-        *points = Points::zeros(count);
-    }
-    for (index, bytes) in bytes.chunks_exact(24).enumerate() {
-        let value = |start: usize| {
-            let mut value = [0; 8];
-            value.copy_from_slice(&bytes[start..start + 8]);
-            f64::from_le_bytes(value)
-        };
-        points.set(index, glam_vector([value(0), value(8), value(16)]));
-    }
+    read_points(file, count, points)?;
+    // Frames are appended where the last one ended.
+    file.seek(SeekFrom::End(0))?;
     Ok(())
 }

@@ -1,12 +1,14 @@
 //! Formats, each written to an `impl Write`. Nothing here opens a file.
 
 pub mod npz;
+mod raw;
 mod trajectory;
 
 use std::io;
 
 use crate::Points;
 
+pub use raw::{POINT_BYTES, read_points, write_points};
 pub use trajectory::{MotionSource, TrajectoryReader, write_trajectory};
 
 /// The frames of a run, read again one at a time and in any order.

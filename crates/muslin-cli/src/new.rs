@@ -1,0 +1,37 @@
+//! `muslin new`.
+
+use std::io::{Write, stdout};
+
+use crate::error::CliError;
+
+/// Scenes to start from: name, what it shows, and text.
+const SCENES: [(&str, &str, &str); 5] = [
+    ("hanging", "a 10 x 10 cloth hung by two corners", include_str!("../../../scenes/hanging.toml")),
+    ("hanging-100", "the same cloth with 100 x 100 particles", include_str!("../../../scenes/hanging-100.toml")),
+    ("flag", "a cloth pinned along one edge, in wind", include_str!("../../../scenes/flag.toml")),
+    ("free-fall", "a cloth that falls with drag", include_str!("../../../scenes/free-fall.toml")),
+    ("pendulum", "a column of particles that swings", include_str!("../../../scenes/pendulum.toml")),
+];
+
+/// Prints the scene `name`, or the names there are.
+pub(crate) fn new(name: Option<&str>) -> Result<(), CliError> {
+    let mut out = stdout().lock();
+    let Some(name) = name else {
+        for (name, description, _) in SCENES {
+            let _ = writeln!(out, "{name:<12} {description}");
+        }
+        let _ = writeln!(out, "\nwrite one to a file: muslin new hanging > my-scene.toml");
+        return Ok(());
+    };
+    let wanted = name.trim_end_matches(".toml");
+    let Some((_, _, text)) = SCENES.iter().find(|(known, _, _)| *known == wanted) else {
+        let names = SCENES.map(|(name, _, _)| name).join(", ");
+        return Err(CliError::input(
+            format_args!("there is no scene `{name}` to start from"),
+            format_args!("scenes: {names}"),
+        ));
+    };
+    // A closed pipe is the reader's choice.
+    let _ = out.write_all(text.as_bytes());
+    Ok(())
+}

@@ -1,0 +1,159 @@
+//! The folder that a run writes.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+use crate::error::{CliError, reason};
+use crate::frame_store::{Checkpoint, write_whole};
+
+/// Name of the folder inside the output folder that holds a run in progress.
+const PARTIAL: &str = ".partial";
+
+/// Name of the file that tells of the run and of all other files.
+pub(crate) const SUMMARY: &str = "summary.json";
+
+/// How to treat what is in the folder already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Existing {
+    /// Refuse to touch it.
+    Keep,
+    /// Replace the files of an earlier run once the new ones are whole.
+    Replace,
+}
+
+/// A folder with whole files only, and inside it the run in progress.
+pub(crate) struct OutputFolder {
+    path: PathBuf,
+    hashes: Map<String, Value>,
+}
+
+impl OutputFolder {
+    /// The folder at `path`, made if need be, for a new run.
+    pub(crate) fn create(path: &Path, existing: Existing) -> Result<Self, CliError> {
+        let folder = Self { path: path.to_owned(), hashes: Map::new() };
+        if path.exists() && !path.is_dir() {
+            return Err(CliError::input(
+                format_args!("{} is a file, but must be a folder or not exist", path.display()),
+                "choose another name with `--out DIR`",
+            ));
+        }
+        if existing == Existing::Keep && folder.partial().exists() {
+            return Err(CliError::input(
+                format_args!("{} holds an unfinished run", path.display()),
+                "go on with it by `--resume`, start again with `--force`, or choose another folder with `--out DIR`",
+            ));
+        }
+        let is_empty = || fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
+        if existing == Existing::Keep && !is_empty() {
+            return Err(CliError::input(
+                format_args!("{} exists already", path.display()),
+                "replace its files with `--force`, or choose another folder with `--out DIR`",
+            ));
+        }
+        let make = || {
+            if folder.partial().exists() {
+                fs::remove_dir_all(folder.partial())?;
+            }
+            fs::create_dir_all(folder.partial())
+        };
+        make().map_err(|error| {
+            CliError::input(
+                format_args!("{} cannot be written: {}", path.display(), reason(&error)),
+                "choose a folder that you may write to with `--out DIR`",
+            )
+        })?;
+        Ok(folder)
+    }
+
+    /// The folder at `path` with the checkpoint of its unfinished run.
+    pub(crate) fn resume(path: &Path, scene_hash: &str) -> Result<(Self, Checkpoint), CliError> {
+        let folder = Self { path: path.to_owned(), hashes: Map::new() };
+        let Some(checkpoint) = Checkpoint::read(&folder.partial())? else {
+            return Err(CliError::input(
+                format_args!("there is no unfinished run in {}", path.display()),
+                "leave out `--resume` to start one",
+            ));
+        };
+        if checkpoint.scene_hash != scene_hash {
+            return Err(CliError::input(
+                format_args!("the unfinished run in {} is of another scene", path.display()),
+                "give the same scene file and the same `--set` again, or start again with `--force`",
+            ));
+        }
+        Ok((folder, checkpoint))
+    }
+
+    /// Where the run in progress is kept.
+    pub(crate) fn partial(&self) -> PathBuf {
+        self.path.join(PARTIAL)
+    }
+
+    /// The folder.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// SHA-256 of every file written so far, by name.
+    pub(crate) fn hashes(&self) -> &Map<String, Value> {
+        &self.hashes
+    }
+
+    /// Writes the file `name`, first inside the unfinished run and then, when whole, under its name.
+    pub(crate) fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), CliError> {
+        let unfinished = self.partial().join(name);
+        write_whole(&unfinished, write)?;
+        let path = self.path.join(name);
+        let finish = || {
+            let hash = file_hash(&unfinished)?;
+            fs::rename(&unfinished, &path)?;
+            Ok(hash)
+        };
+        let hash = finish().map_err(|error| CliError::write(&path, &error))?;
+        self.hashes.insert(name.to_owned(), hash.into());
+        Ok(())
+    }
+
+    /// Removes the run in progress, which nothing needs any more.
+    pub(crate) fn remove_partial(&self) -> Result<(), CliError> {
+        let partial = self.partial();
+        fs::remove_dir_all(&partial).map_err(|error| CliError::write(&partial, &error))
+    }
+}
+
+/// SHA-256 of the bytes of a file, 64 hexadecimal digits.
+pub(crate) fn file_hash(path: &Path) -> io::Result<String> {
+    let mut hasher = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hasher))?;
+    Ok(hex(&hasher.finalize()))
+}
+
+/// SHA-256 of `text`, 64 hexadecimal digits.
+pub(crate) fn text_hash(text: &str) -> String {
+    hex(&Sha256::digest(text))
+}
+
+/// Takes bytes into a hash.
+struct HashWriter<'a>(&'a mut Sha256);
+
+impl io::Write for HashWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,159 @@
+//! `muslin verify`.
+
+use std::fs::{self, File};
+use std::io::{BufReader, Write, stdout};
+use std::path::Path;
+
+use muslin::observe::StateHash;
+use muslin::write::{FrameSource, MotionSource, TrajectoryReader};
+use muslin::{Points, Scene, Simulation};
+use serde_json::Value;
+
+use crate::args::VerifyArguments;
+use crate::error::CliError;
+use crate::output::{SUMMARY, file_hash, text_hash};
+use crate::run::{timed_integrator, unstable};
+use crate::timing::SteppingTime;
+
+const HELP: &str = "name a folder that `muslin run` wrote";
+
+/// What a folder's summary says, as far as it can be verified.
+struct Recorded {
+    version: String,
+    scene_hash: String,
+    frame_hashes: Vec<String>,
+    files: Vec<(String, String)>,
+}
+
+/// Compares every file of a folder with its hash, then runs its scene again and compares every frame.
+pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
+    let dir = &arguments.dir;
+    let recorded = Recorded::read(dir)?;
+    let text = read_scene(dir)?;
+    let mut faults = recorded.file_faults(dir);
+    if text_hash(&text) != recorded.scene_hash {
+        faults.push("scene.toml is not the scene of this run".to_owned());
+    }
+    faults.extend(trajectory_fault(dir, &recorded.frame_hashes));
+    let scene = Scene::parse(&text)
+        .map_err(|error| CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text)))?;
+    faults.extend(rerun_fault(&scene, &recorded, arguments)?);
+    if faults.is_empty() {
+        let frames = recorded.frame_hashes.len();
+        let _ = writeln!(
+            stdout(),
+            "{}: verified: {} files unchanged, {frames} frames computed again with the same bits",
+            dir.display(),
+            recorded.files.len()
+        );
+        return Ok(());
+    }
+    Err(CliError::failed(
+        format_args!("{} is not what its summary says\n  {}", dir.display(), faults.join("\n  ")),
+        "run the scene again if a file was changed by mistake",
+    ))
+}
+
+impl Recorded {
+    fn read(dir: &Path) -> Result<Self, CliError> {
+        let path = dir.join(SUMMARY);
+        let bytes = fs::read(&path).map_err(|error| CliError::read(&path, &error, HELP))?;
+        let damaged = |reason: &str| CliError::input(format_args!("{} is damaged: {reason}", path.display()), HELP);
+        let json: Value = serde_json::from_slice(&bytes).map_err(|error| damaged(&error.to_string()))?;
+        let text = |key: &str| {
+            let value = json[key].as_str().map(str::to_owned);
+            value.ok_or_else(|| damaged(&format!("`{key}` is missing")))
+        };
+        let hashes = json["frame_hashes"].as_array().ok_or_else(|| damaged("`frame_hashes` is missing"))?;
+        let files = json["files"].as_object().ok_or_else(|| damaged("`files` is missing"))?;
+        Ok(Self {
+            version: text("muslin")?,
+            scene_hash: text("scene_hash")?,
+            frame_hashes: hashes.iter().map(|hash| hash.as_str().unwrap_or_default().to_owned()).collect(),
+            files: files
+                .iter()
+                .map(|(name, hash)| (name.clone(), hash.as_str().unwrap_or_default().to_owned()))
+                .collect(),
+        })
+    }
+
+    /// Files that are gone or whose bytes have changed.
+    fn file_faults(&self, dir: &Path) -> Vec<String> {
+        let fault = |(name, hash): &(String, String)| match file_hash(&dir.join(name)) {
+            Ok(found) if found == *hash => None,
+            Ok(_) => Some(format!("{name} was changed")),
+            Err(error) => Some(format!("{name} could not be read: {}", crate::error::reason(&error))),
+        };
+        self.files.iter().filter_map(fault).collect()
+    }
+}
+
+fn read_scene(dir: &Path) -> Result<String, CliError> {
+    let path = dir.join("scene.toml");
+    fs::read_to_string(&path).map_err(|error| CliError::read(&path, &error, HELP))
+}
+
+/// The frames of `trajectory.npz` that differ from their hashes.
+fn trajectory_fault(dir: &Path, frame_hashes: &[String]) -> Option<String> {
+    // That the file cannot be opened is a fault of its own already.
+    let file = File::open(dir.join("trajectory.npz")).ok()?;
+    let mut trajectory = match TrajectoryReader::new(BufReader::new(file)) {
+        Ok(trajectory) => trajectory,
+        Err(error) => return Some(format!("trajectory.npz cannot be read: {error}")),
+    };
+    if trajectory.frame_count() != frame_hashes.len() {
+        let (found, expected) = (trajectory.frame_count(), frame_hashes.len());
+        return Some(format!("trajectory.npz has {found} frames, but the summary has {expected}"));
+    }
+    let (mut positions, mut velocities) = (Points::default(), Points::default());
+    let mut differing = Vec::new();
+    for (frame, expected) in frame_hashes.iter().enumerate() {
+        let read = trajectory
+            .read_positions(frame, &mut positions)
+            .and_then(|()| trajectory.read_velocities(frame, &mut velocities));
+        if read.is_err() || StateHash::new(&positions, &velocities).to_string() != *expected {
+            differing.push(frame);
+        }
+    }
+    let first = *differing.first()?;
+    let time = trajectory.times()[first];
+    Some(match differing.len() {
+        1 => format!("trajectory.npz: frame {first} ({time:.6} s) differs"),
+        count => format!("trajectory.npz: {count} frames differ, the first is frame {first} ({time:.6} s)"),
+    })
+}
+
+/// The first frame of a new run that differs from the recorded one.
+fn rerun_fault(
+    scene: &Scene,
+    recorded: &Recorded,
+    arguments: &VerifyArguments,
+) -> Result<Option<String>, CliError> {
+    let integrator = timed_integrator(scene, arguments.threads, &SteppingTime::default())?;
+    let mut simulation = Simulation::new(scene, integrator).map_err(|error| unstable(&error))?;
+    for (frame, expected) in recorded.frame_hashes.iter().enumerate() {
+        let current = simulation.frame();
+        if StateHash::new(&current.state.positions, current.velocities).to_string() != *expected {
+            let time = current.state.time;
+            let mut fault = format!("computed again, frame {frame} ({time:.6} s) differs");
+            if recorded.version != env!("CARGO_PKG_VERSION") {
+                fault.push_str(&format!(
+                    " (the folder is of muslin {}, this is {})",
+                    recorded.version,
+                    env!("CARGO_PKG_VERSION")
+                ));
+            }
+            return Ok(Some(fault));
+        }
+        if frame + 1 == recorded.frame_hashes.len() {
+            break;
+        }
+        if simulation.is_finished() {
+            return Ok(Some(format!("the scene ends at frame {frame}, but the summary has more")));
+        }
+        if let Err(error) = simulation.advance(&mut []) {
+            return Ok(Some(format!("computed again, {error}")));
+        }
+    }
+    Ok(None)
+}
