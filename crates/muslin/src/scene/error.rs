@@ -138,9 +138,9 @@ pub enum SceneErrorKind {
         help: String,
     },
     /// An assignment that cannot be carried out on the text.
-    #[error("cannot set `{assignment}`: {reason}")]
+    #[error("cannot set {assignment}: {reason}")]
     Assignment {
-        /// The assignment as given.
+        /// The assignment, quoted.
         assignment: String,
         /// Why not.
         reason: String,

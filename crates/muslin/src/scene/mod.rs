@@ -1,10 +1,12 @@
 //! From scene text to a checked [`Scene`].
 
+mod edit;
 mod error;
 mod excerpt;
 mod read;
 mod settings;
 
+pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
 pub use settings::*;
 
@@ -19,3 +21,8 @@ pub const MAX_FRAME_INTERVALS: u64 = 10_000_000;
 
 /// The most steps from one frame to the next.
 pub const MAX_STEPS_PER_FRAME: u64 = u32::MAX as u64;
+
+/// JSON Schema (draft 2020-12) of the scene file, with descriptions and units, for editors.
+///
+/// It cannot say all that [`Scene::parse`] checks: whether a duration is a whole number of frames, for instance.
+pub const JSON_SCHEMA: &str = include_str!("schema.json");

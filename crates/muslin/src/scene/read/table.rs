@@ -150,8 +150,8 @@ impl<'t> Entry<'t> {
 
 /// The path of `key` in the table at `path`.
 pub(super) fn joined(path: &str, key: &str) -> String {
-    let key = key_as_written(key);
-    if path.is_empty() { key.into_owned() } else { format!("{path}.{key}") }
+    let key = shortened(&key_as_written(key));
+    if path.is_empty() { key } else { format!("{path}.{key}") }
 }
 
 /// A key as it is written in TOML: in quotes where it must be.

@@ -31,9 +31,10 @@ impl<'t> Value<'t> {
         SceneError::at(kind, self.text, self.span.clone())
     }
 
-    /// The value as it stands in the text, cut if it is long.
+    /// The value as it stands in the text, on one line, cut if it is long.
     pub(super) fn as_written(&self) -> String {
-        shortened(self.text.get(self.span.clone()).unwrap_or_default().trim())
+        let written = self.text.get(self.span.clone()).unwrap_or_default();
+        shortened(&written.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 
     pub(super) fn out_of_range(&self, unit: &'static str, rule: &str, help: &str) -> SceneError {
