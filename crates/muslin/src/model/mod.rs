@@ -2,4 +2,4 @@
 
 mod surface;
 
-pub use surface::Surface;
+pub use surface::{Surface, SurfaceGrid};
