@@ -4,9 +4,7 @@ use std::io;
 
 use muslin::force::{Configuration, Family};
 use muslin::observe::{EnergyTerms, ExpectOutcome, FrameRecord};
-use muslin::write::{
-    FrameSource, GlbInfo, ViewInfo, ViewSeries, write_glb, write_poster, write_series, write_trajectory, write_view,
-};
+use muslin::write::{GlbInfo, write_glb, write_series, write_trajectory};
 use muslin::{Model, Points};
 
 use crate::error::CliError;
@@ -44,21 +42,13 @@ pub(crate) fn write_files(
     })?;
     output.write("series.csv", |out| {
         let columns = series_columns(frames);
-        let columns: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (name.as_str(), &values[..])).collect();
+        let columns: Vec<(&str, &[f64])> =
+            columns.iter().map(|(name, values)| (name.as_str(), &values[..])).collect();
         write_series(out, &columns)
     })?;
     let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
     let info = GlbInfo { title: scene.title(), cloth_names: &names, frame_rate: scene.run().frame_rate };
     output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), store))?;
-    output.write("poster.png", |out| {
-        let mut positions = Points::default();
-        store.read_positions(store.frame_count() - 1, &mut positions)?;
-        write_poster(out, &model.surface(POSTER_VERTICES), &positions, &pins, POSTER_SIZE)
-    })?;
-    let info = view_info(run.scene, model, &run.recorder);
-    output.write("view.html", |out| {
-        write_view(out, &info, &model.surface(VIEW_VERTICES), &pins, &mut particle_strains(model), store)
-    })?;
     let outcomes: Vec<ExpectOutcome> = match ending {
         Ending::Complete => scene.expectations().iter().map(|line| line.check(&run.recorder)).collect(),
         Ending::Interrupted | Ending::Failed(_) => Vec::new(),
@@ -119,52 +109,4 @@ fn strain_series(frames: &[FrameRecord]) -> Vec<(String, Vec<f64>)> {
         }
     }
     series
-}
-
-/// What `view.html` tells beside the motion.
-fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::Recorder) -> ViewInfo {
-    let frames = recorder.frames();
-    let settings = scene.run();
-    let mut facts = vec![
-        ("particles".to_owned(), model.particles().len().to_string()),
-        ("springs".to_owned(), model.spring_counts().iter().sum::<u64>().to_string()),
-        ("duration".to_owned(), duration_text(settings.duration)),
-        ("method".to_owned(), method_name(settings.method).to_owned()),
-    ];
-    if let Some(step) = recorder.steps().largest {
-        facts.push(("step".to_owned(), duration_text(step)));
-    }
-    if let [Some(max), _, _] = recorder.max_strains() {
-        facts.push(("largest strain".to_owned(), format!("{} %", significant(100.0 * max))));
-    }
-    let residual = muslin::observe::relative_residual(frames.iter().map(|frame| &frame.energies));
-    facts.push(("energy residual".to_owned(), format!("{residual:.1e}")));
-    if let Some(last) = frames.last() {
-        facts.push(("state hash".to_owned(), last.hash.to_string()[..12].to_owned()));
-    }
-    let energies = EnergyTerms::NAMES.iter().enumerate().map(|(index, name)| ViewSeries {
-        name: name.replace('_', " "),
-        values: frames.iter().map(|frame| frame.energies.values()[index]).collect(),
-    });
-    let strains = strain_series(frames).into_iter();
-    ViewInfo {
-        title: scene.title().to_owned(),
-        frame_rate: settings.frame_rate,
-        facts,
-        times: frames.iter().map(|frame| frame.time).collect(),
-        energies: energies.collect(),
-        strains: strains.map(|(name, values)| ViewSeries { name: name.replace("_strain_", " "), values }).collect(),
-    }
-}
-
-/// Gives the strain [1] of every particle from the positions of all.
-fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
-    move |positions, strains| {
-        strains.clear();
-        strains.resize(positions.len(), 0.0);
-        let at = Configuration { time: 0.0, particles: model.particles(), positions };
-        for force in model.forces() {
-            force.eval_particle_strains(at, strains);
-        }
-    }
 }

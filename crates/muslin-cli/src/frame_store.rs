@@ -46,7 +46,9 @@ impl FrameStore {
         let create = |name: &str| {
             let path = folder.join(name);
             let options = File::options().read(true).write(true).create(true).truncate(true).open(&path);
-            options.map(|file| BufWriter::with_capacity(1 << 20, file)).map_err(|error| CliError::write(&path, &error))
+            options
+                .map(|file| BufWriter::with_capacity(1 << 20, file))
+                .map_err(|error| CliError::write(&path, &error))
         };
         Ok(Self {
             folder: folder.to_owned(),
@@ -70,7 +72,10 @@ impl FrameStore {
             let open = || {
                 let mut file = File::options().read(true).write(true).open(&path)?;
                 if file.metadata()?.len() < length {
-                    return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "it is shorter than its checkpoint says"));
+                    return Err(io::Error::new(
+                        io::ErrorKind::UnexpectedEof,
+                        "it is shorter than its checkpoint says",
+                    ));
                 }
                 file.set_len(length)?;
                 file.seek(SeekFrom::End(0))?;
@@ -146,7 +151,6 @@ impl FrameStore {
         }
         Ok(())
     }
-
 }
 
 impl FrameSource for FrameStore {

@@ -7,7 +7,11 @@ use crate::error::CliError;
 /// Scenes to start from: name, what it shows, and text.
 const SCENES: [(&str, &str, &str); 5] = [
     ("hanging", "a 10 x 10 cloth hung by two corners", include_str!("../../../scenes/hanging.toml")),
-    ("hanging-100", "the same cloth with 100 x 100 particles", include_str!("../../../scenes/hanging-100.toml")),
+    (
+        "hanging-100",
+        "the same cloth with 100 x 100 particles",
+        include_str!("../../../scenes/hanging-100.toml"),
+    ),
     ("flag", "a cloth pinned along one edge, in wind", include_str!("../../../scenes/flag.toml")),
     ("free-fall", "a cloth that falls with drag", include_str!("../../../scenes/free-fall.toml")),
     ("pendulum", "a column of particles that swings", include_str!("../../../scenes/pendulum.toml")),

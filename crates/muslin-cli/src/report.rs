@@ -24,7 +24,10 @@ pub(crate) fn report(
         Ending::Complete => {}
         Ending::Interrupted => {
             return Err(CliError::failed(
-                format_args!("stopped at {:.6} s; {path} holds the frames so far", run.simulation.frame().state.time),
+                format_args!(
+                    "stopped at {:.6} s; {path} holds the frames so far",
+                    run.simulation.frame().state.time
+                ),
                 "go on with the same command and `--resume`",
             ));
         }

@@ -1,6 +1,6 @@
 //! `muslin run`.
 
-use std::io::{Write, stdout};
+use std::io::stdout;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,7 +41,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
         let existing = if arguments.force { Existing::Replace } else { Existing::Keep };
         Run::start(&file.scene, &path, existing, scene_hash, integrator, time)?
     };
-    let ending = run.go_on(&interruption()?)?;
+    let interrupted = interruption()?;
+    let ending = run.go_on(&interrupted)?;
     let outcomes = write_files(&mut run, &file, &ending)?;
     report(&mut stdout().lock(), &run, &ending, &outcomes)
 }
@@ -179,7 +180,10 @@ pub(crate) fn timed_integrator(
         std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN).min(useful)
     });
     let workers = Workers::new(threads).map_err(|error| {
-        CliError::input(format_args!("{threads} threads cannot be started: {error}"), "ask for fewer with `--threads`")
+        CliError::input(
+            format_args!("{threads} threads cannot be started: {error}"),
+            "ask for fewer with `--threads`",
+        )
     })?;
     Ok(Box::new(TimedIntegrator::new(Simulation::integrator(scene, workers), time.clone())))
 }

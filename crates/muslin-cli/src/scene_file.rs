@@ -20,8 +20,9 @@ impl SceneFile {
     pub(crate) fn read(path: &Path, assignments: &[String]) -> Result<Self, CliError> {
         let mut text = read_text(path)?;
         for assignment in assignments {
-            text = set_value(&text, assignment)
-                .map_err(|error| CliError::BadInput(error.render(&format!("--set {assignment}"), assignment)))?;
+            text = set_value(&text, assignment).map_err(|error| {
+                CliError::BadInput(error.render(&format!("--set {assignment}"), assignment))
+            })?;
         }
         let mut name = path.display().to_string();
         if !assignments.is_empty() {
@@ -34,7 +35,8 @@ impl SceneFile {
 
 /// The text of the file at `path`, if it is one and of a scene's size.
 fn read_text(path: &Path) -> Result<String, CliError> {
-    const HELP: &str = "name a scene file such as scenes/hanging.toml, or print one with `muslin new hanging`";
+    const HELP: &str =
+        "name a scene file such as scenes/hanging.toml, or print one with `muslin new hanging`";
     let read_error = |error: &io::Error| CliError::read(path, error, HELP);
     let file = fs::File::open(path).map_err(|error| read_error(&error))?;
     if file.metadata().map_err(|error| read_error(&error))?.is_dir() {

@@ -73,7 +73,11 @@ impl Summary<'_> {
 
     fn springs(&self) -> Value {
         let counts = self.model.spring_counts();
-        Family::ALL.iter().zip(counts).map(|(family, count)| (family.name().to_owned(), json!(count))).collect()
+        Family::ALL
+            .iter()
+            .zip(counts)
+            .map(|(family, count)| (family.name().to_owned(), json!(count)))
+            .collect()
     }
 
     fn strains(&self) -> Value {

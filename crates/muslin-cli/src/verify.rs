@@ -35,8 +35,9 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
         faults.push("scene.toml is not the scene of this run".to_owned());
     }
     faults.extend(trajectory_fault(dir, &recorded.frame_hashes));
-    let scene = Scene::parse(&text)
-        .map_err(|error| CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text)))?;
+    let scene = Scene::parse(&text).map_err(|error| {
+        CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text))
+    })?;
     faults.extend(rerun_fault(&scene, &recorded, arguments)?);
     if faults.is_empty() {
         let frames = recorded.frame_hashes.len();
@@ -58,7 +59,8 @@ impl Recorded {
     fn read(dir: &Path) -> Result<Self, CliError> {
         let path = dir.join(SUMMARY);
         let bytes = fs::read(&path).map_err(|error| CliError::read(&path, &error, HELP))?;
-        let damaged = |reason: &str| CliError::input(format_args!("{} is damaged: {reason}", path.display()), HELP);
+        let damaged =
+            |reason: &str| CliError::input(format_args!("{} is damaged: {reason}", path.display()), HELP);
         let json: Value = serde_json::from_slice(&bytes).map_err(|error| damaged(&error.to_string()))?;
         let text = |key: &str| {
             let value = json[key].as_str().map(str::to_owned);

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 pub use grid::Grid;
 pub use particles::Particles;
-pub use surface::Surface;
+pub use surface::{Surface, SurfaceGrid};
 
 use crate::force::{Force, Gravity, GridSprings, ParticleWind};
 use crate::scene::{Fabric, PinSettings, Scene, WindSettings};

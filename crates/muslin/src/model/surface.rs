@@ -1,5 +1,7 @@
 //! What writers draw of a model: triangles, and lines and points where a cloth has no area.
 
+use std::ops::Range;
+
 use crate::Points;
 
 /// The drawable shape of a model, or of a subset of its particles.
@@ -17,6 +19,25 @@ pub struct Surface {
     pub lines: Vec<[u32; 2]>,
     /// Lone vertices.
     pub points: Vec<u32>,
+    /// The grids in the order in which they were added; together they hold every vertex, triangle, line and point.
+    pub grids: Vec<SurfaceGrid>,
+}
+
+/// The part of a [`Surface`] that one grid gave. Its vertices are `rows` runs of `columns` vertices each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SurfaceGrid {
+    /// Number of columns drawn.
+    pub columns: usize,
+    /// Number of rows drawn.
+    pub rows: usize,
+    /// Its indices in [`Surface::vertices`].
+    pub vertices: Range<usize>,
+    /// Its indices in [`Surface::triangles`].
+    pub triangles: Range<usize>,
+    /// Its indices in [`Surface::lines`].
+    pub lines: Range<usize>,
+    /// Its indices in [`Surface::points`].
+    pub points: Range<usize>,
 }
 
 impl Surface {
@@ -34,6 +55,8 @@ impl Surface {
         let column_indices = thinned(columns, stride);
         let row_indices = thinned(rows, stride);
         let first_vertex = u32::try_from(self.vertices.len()).expect("vertex indices fit u32");
+        let [first_triangle, first_line, first_point] =
+            [self.triangles.len(), self.lines.len(), self.points.len()];
         for &row in &row_indices {
             for &column in &column_indices {
                 let particle = first_particle + row * columns + column;
@@ -63,6 +86,14 @@ impl Surface {
                 }
             }
         }
+        self.grids.push(SurfaceGrid {
+            columns: column_indices.len(),
+            rows: row_indices.len(),
+            vertices: first_vertex as usize..self.vertices.len(),
+            triangles: first_triangle..self.triangles.len(),
+            lines: first_line..self.lines.len(),
+            points: first_point..self.points.len(),
+        });
     }
 
     /// Overwrites `normals` with a unit normal [1] per vertex: the area-weighted mean over its triangles.
@@ -135,5 +166,10 @@ mod tests {
         assert_eq!(surface.lines, [[0, 1], [1, 2]]);
         assert_eq!(surface.points, [3]);
         assert!(surface.triangles.is_empty());
+        let ranges = |grid: &SurfaceGrid| (grid.vertices.clone(), grid.lines.clone(), grid.points.clone());
+        assert_eq!(
+            surface.grids.iter().map(ranges).collect::<Vec<_>>(),
+            [(0..3, 0..2, 0..0), (3..4, 2..2, 0..1)]
+        );
     }
 }

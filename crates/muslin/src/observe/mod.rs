@@ -3,11 +3,13 @@
 //! An [`Observer`] sees the state and cannot change it, so a run has the same bits with and without observers.
 
 mod energy;
+mod expect;
 mod hash;
 mod record;
 mod strain;
 
 pub use energy::{EnergyLedger, EnergyTerms, relative_residual};
+pub use expect::ExpectOutcome;
 pub use hash::StateHash;
 pub use record::{FrameRecord, Recorder, StepCounts};
 pub use strain::{FamilyStrain, StrainMonitor};

@@ -252,6 +252,18 @@ pub enum ExpectedQuantity {
     EnergyResidual,
 }
 
+impl ExpectedQuantity {
+    /// Key in the scene file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MaxStrain => "max_strain",
+            Self::LowestPoint => "lowest_point",
+            Self::EnergyResidual => "energy_residual",
+        }
+    }
+}
+
 /// `{ below = a }`, `{ above = a }` or `{ between = [a, b] }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExpectedRange {

@@ -1,14 +1,18 @@
 //! Formats, each written to an `impl Write`. Nothing here opens a file.
 
+mod gltf;
 pub mod npz;
 mod raw;
+mod series;
 mod trajectory;
 
 use std::io;
 
 use crate::Points;
 
+pub use gltf::{GlbInfo, write_glb};
 pub use raw::{POINT_BYTES, read_points, write_points};
+pub use series::{SeriesWriter, write_series};
 pub use trajectory::{MotionSource, TrajectoryReader, write_trajectory};
 
 /// The frames of a run, read again one at a time and in any order.
