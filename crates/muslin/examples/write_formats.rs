@@ -7,10 +7,9 @@ use std::io::{self, BufReader, BufWriter};
 use std::path::PathBuf;
 
 use glam::DVec3;
-use muslin::Points;
-use muslin::model::Surface;
 use muslin::write::{FrameSource, GlbInfo, MotionSource, TrajectoryReader};
 use muslin::write::{write_glb, write_series, write_trajectory};
+use muslin::{Points, model::Surface};
 
 /// Positions of a sheet of 10 x 10, a string of 8 and a bead, 60 times a second.
 struct Waves(usize);
