@@ -94,7 +94,7 @@ impl NpzArray {
     }
 }
 
-/// Reads an uncompressed `.npz` archive as [`NpzWriter`] or `numpy.savez` writes it, any part of any array.
+/// Reads an uncompressed `.npz` archive as [`NpzWriter`](super::NpzWriter) or `numpy.savez` writes it, any part of any array.
 ///
 /// Checksums are not compared, so that the intact frames of a file with a damaged one can still be read.
 pub struct NpzReader<R> {
