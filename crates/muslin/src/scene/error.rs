@@ -82,7 +82,7 @@ pub enum SceneErrorKind {
         help: String,
     },
     /// A value outside its range.
-    #[error("`{key}` is {value}{}, but must be {rule}", spaced(unit))]
+    #[error("`{key}` is {value}{}, but must {rule}", spaced(unit))]
     OutOfRange {
         /// Path of the value.
         key: String,
@@ -90,7 +90,7 @@ pub enum SceneErrorKind {
         value: String,
         /// Its unit, empty if it has none.
         unit: &'static str,
-        /// What it must be.
+        /// What it must do, beginning with a verb.
         rule: String,
         /// What to write.
         help: String,
@@ -178,6 +178,12 @@ impl SceneError {
         let help = match self.kind() {
             SceneErrorKind::TooLarge { .. } => "a scene describes a run, it does not hold data".to_owned(),
             SceneErrorKind::Empty => "start from a scene that `muslin new` prints".to_owned(),
+            SceneErrorKind::NotToml { message } if message == "duplicate key" => {
+                "write every key and every table once".to_owned()
+            }
+            SceneErrorKind::NotToml { message } if message.contains("recurs") => {
+                "no part of a scene is nested that deeply".to_owned()
+            }
             SceneErrorKind::NotToml { .. } => {
                 "tables are `[name]`, values `key = 1.0`, texts in quotes; see https://toml.io".to_owned()
             }

@@ -27,7 +27,7 @@ pub(super) fn position(text: &str, span: Range<usize>) -> Position {
 /// See [`SceneError::render`].
 pub(super) fn render(error: &SceneError, name: &str, text: &str) -> String {
     let mut lines = vec![format!("error: {error}")];
-    let mut gutter = String::new();
+    let mut gutter = " ".to_owned();
     if let Some(Position { line, column, length }) = error.position() {
         gutter = " ".repeat(line.to_string().len());
         lines.push(format!("{gutter}--> {name}:{line}:{column}"));

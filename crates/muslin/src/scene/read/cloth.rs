@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::table::{Entry, Table};
-use super::value::{NumberRule, Value};
+use super::value::{NumberRule, Value, rounded};
 use crate::scene::error::{SceneErrorKind, quoted};
 use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, PinSettings, Placement, SceneError};
 
@@ -55,7 +55,7 @@ fn read_cloth(
 
     let name = name.required("", "write `name = \"...\"`")?;
     if name.string()?.is_empty() {
-        return Err(name.out_of_range("", "at least one character long", ""));
+        return Err(name.out_of_range("", "have at least one character", ""));
     }
     let fabric = fabric.required("", "write `fabric = \"NAME\"` for a table `[fabric.NAME]`")?;
     if !fabrics.contains_key(fabric.string()?) {
@@ -126,6 +126,7 @@ fn read_place(entry: Entry) -> Result<Placement, SceneError> {
     let height_axis = table.take("height_axis");
     table.finish()?;
 
+    let height_axis = height_axis.required("", "write `height_axis = [x, y, z]`, of any length but zero")?;
     let place = Placement {
         origin: origin.vector("m")?,
         width_axis: width_axis.direction()?,
@@ -133,11 +134,11 @@ fn read_place(entry: Entry) -> Result<Placement, SceneError> {
     };
     let cosine = place.width_axis.dot(place.height_axis);
     if PERPENDICULAR_TOLERANCE < cosine.abs() {
-        return Err(table.error(SceneErrorKind::Inconsistent {
+        return Err(height_axis.error(SceneErrorKind::Inconsistent {
             message: format!(
-                "the axes of `{}` are at {:.3} degrees, but must be perpendicular",
-                table.path(),
-                libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees()
+                "`{}` is at {} degrees to the width axis, but must be perpendicular to it",
+                height_axis.path,
+                rounded(libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees())
             ),
             help: perpendicular_help(place),
         }));
@@ -193,7 +194,7 @@ fn read_index(value: &Value, what: &str, count: usize) -> Result<usize, SceneErr
         Some(index) if index < count => Ok(index),
         _ => Err(value.out_of_range(
             "",
-            &format!("from 0 to {} or from -{count} to -1", count - 1),
+            &format!("be from 0 to {} or from -{count} to -1", count - 1),
             &format!("the grid has {count} {what}; negative indices count from the end"),
         )),
     }

@@ -22,19 +22,11 @@ pub(super) fn read(entry: Entry) -> Result<Environment, SceneError> {
     Ok(Environment { gravity, winds })
 }
 
-#[derive(Clone, Copy)]
-enum WindLaw {
-    ParticleForce,
-    Aerodynamic,
-}
-
 fn read_wind(mut table: Table) -> Result<WindSettings, SceneError> {
     let law = table.take("law");
     if let Some(law) = table.peek("law").optional() {
-        let laws = [("particle-force", WindLaw::ParticleForce), ("aerodynamic", WindLaw::Aerodynamic)];
-        if let WindLaw::Aerodynamic = law.choice("is not the law of a wind", &laws)? {
-            return Err(law.not_available("aerodynamic wind", "use `law = \"particle-force\"`"));
-        }
+        law.reject_later(&[("aerodynamic", "aerodynamic wind")], "use `law = \"particle-force\"`")?;
+        law.choice("is not the law of a wind", &[("particle-force", ())])?;
     }
     let amplitude = table.take("amplitude");
     let angular_frequency = table.take("angular_frequency");

@@ -58,7 +58,7 @@ fn read_between(value: &Value, unit: &'static str) -> Result<ExpectedRange, Scen
     };
     let (least, most) = (least.number(unit, NumberRule::Finite)?, most.number(unit, NumberRule::Finite)?);
     if most < least {
-        return Err(value.out_of_range(unit, "in ascending order", "write the smaller number first"));
+        return Err(value.out_of_range(unit, "be in ascending order", "write the smaller number first"));
     }
     Ok(ExpectedRange::Between(least, most))
 }

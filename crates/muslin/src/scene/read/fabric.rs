@@ -13,20 +13,12 @@ pub(super) fn read(entry: Entry) -> Result<BTreeMap<String, Fabric>, SceneError>
     fabrics.into_iter().map(|(name, fabric)| Ok((name.to_owned(), read_fabric(fabric)?))).collect()
 }
 
-#[derive(Clone, Copy)]
-enum Kind {
-    Springs,
-    Measured,
-}
-
 fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
     let mut table = value.table("write `[fabric.NAME]`")?;
     let kind = table.take("kind");
     if let Some(kind) = table.peek("kind").optional() {
-        let kinds = [("springs", Kind::Springs), ("measured", Kind::Measured)];
-        if let Kind::Measured = kind.choice("is not a kind of fabric", &kinds)? {
-            return Err(kind.not_available("a measured fabric", "use `kind = \"springs\"`"));
-        }
+        kind.reject_later(&[("measured", "a measured fabric")], "use `kind = \"springs\"`")?;
+        kind.choice("is not a kind of fabric", &[("springs", ())])?;
     }
     reject_limit(&table)?;
     let particle_mass = table.take("particle_mass");
@@ -57,26 +49,18 @@ fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
     }))
 }
 
-#[derive(Clone, Copy)]
-enum Law {
-    Linear,
-    Later(&'static str),
-}
-
 fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
     const HELP: &str = "write `{ stiffness = k, law = \"linear\" }` with k in N/m; k = 0 for no springs";
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let law = table.take("law");
     if let Some(law) = table.peek("law").optional() {
-        let laws = [
-            ("linear", Law::Linear),
-            ("tangent", Law::Later("the spring law \"tangent\"")),
-            ("arctangent-force", Law::Later("the spring law \"arctangent-force\"")),
-            ("curve", Law::Later("the spring law \"curve\"")),
+        let later = [
+            ("tangent", "the spring law \"tangent\""),
+            ("arctangent-force", "the spring law \"arctangent-force\""),
+            ("curve", "the spring law \"curve\""),
         ];
-        if let Law::Later(what) = law.choice("is not the law of a spring", &laws)? {
-            return Err(law.not_available(what, "use `law = \"linear\"`"));
-        }
+        law.reject_later(&later, "use `law = \"linear\"`")?;
+        law.choice("is not the law of a spring", &[("linear", ())])?;
     }
     reject_limit(&table)?;
     let stiffness = table.take("stiffness");

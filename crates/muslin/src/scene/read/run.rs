@@ -1,7 +1,7 @@
 //! `[run]`: how long and by which method.
 
 use super::table::Entry;
-use super::value::{NumberRule, Value};
+use super::value::{NumberRule, Value, rounded, with_decimals};
 use crate::scene::error::{SceneErrorKind, quoted};
 use crate::scene::{
     MAX_FRAME_INTERVALS, MAX_STEPS_PER_FRAME, Method, RunSettings, SceneError, Start, StepRule,
@@ -59,7 +59,7 @@ fn read_frame_rate(entry: Entry) -> Result<f64, SceneError> {
     if FRAME_RATES.contains(&frame_rate) {
         Ok(frame_rate)
     } else {
-        let rule = format!("from {:e} to {:e}", FRAME_RATES.start(), FRAME_RATES.end());
+        let rule = format!("be from {:e} to {:e}", FRAME_RATES.start(), FRAME_RATES.end());
         Err(value.out_of_range("1/s", &rule, ""))
     }
 }
@@ -70,7 +70,7 @@ fn read_frame_intervals(value: &Value, frame_rate: f64) -> Result<u64, SceneErro
     if MAX_FRAME_INTERVALS as f64 + 0.5 <= frames {
         return Err(value.out_of_range(
             "s",
-            &format!("at most {MAX_FRAME_INTERVALS} frames at {frame_rate:?} frames per second"),
+            &format!("give at most {MAX_FRAME_INTERVALS} frames at {frame_rate:?} frames per second"),
             "lower `run.duration` or `run.frame_rate`",
         ));
     }
@@ -125,7 +125,7 @@ fn read_steps_per_frame(value: &Value, frame_rate: f64) -> Result<u64, SceneErro
         return Err(value.out_of_range(
             "s",
             &format!(
-                "at least {:e} s, for at most {MAX_STEPS_PER_FRAME} steps from frame to frame",
+                "be at least {:e} s, for at most {MAX_STEPS_PER_FRAME} steps from frame to frame",
                 interval / MAX_STEPS_PER_FRAME as f64
             ),
             "raise the step or `run.frame_rate`",
@@ -164,14 +164,4 @@ fn shortest(number: f64, accepts: impl Fn(f64) -> bool) -> String {
         .into_iter()
         .find(|candidate| accepts(*candidate))
         .map_or_else(|| format!("{number:?}"), |candidate| format!("{candidate:?}"))
-}
-
-/// `number` with digits enough to tell it from a whole one, for a message.
-fn rounded(number: f64) -> String {
-    format!("{:?}", with_decimals(number, 11))
-}
-
-/// The number nearest to `number` with so many decimals after the first digit.
-fn with_decimals(number: f64, decimals: usize) -> f64 {
-    format!("{number:.decimals$e}").parse().unwrap_or(number)
 }

@@ -69,27 +69,29 @@ impl<'t> Value<'t> {
     pub(super) fn number(&self, unit: &'static str, rule: NumberRule) -> Result<f64, SceneError> {
         let number = match self.value {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-            // Decimal integers of any length are numbers, others up to 64 bits.
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse::<f64>().ok(),
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
-            }
+            DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
+                Ok(integer) => Some(integer as f64),
+                Err(_) => {
+                    return Err(self.out_of_range(unit, "fit into 64 bits", "write it as a decimal number"));
+                }
+            },
             DeValue::String(string) if string.trim().parse::<f64>().is_ok() => {
                 return Err(self.wrong_type("a number", unit, "write it without quotes"));
             }
             _ => return Err(self.wrong_type("a number", unit, "")),
         };
         let rule_text = match rule {
-            NumberRule::Finite => "finite",
-            NumberRule::NotNegative => "finite and not negative",
-            NumberRule::Positive => "finite and positive",
+            NumberRule::Finite => "be finite",
+            NumberRule::NotNegative => "be finite and not negative",
+            NumberRule::Positive => "be finite and positive",
         };
         let Some(number) = number.filter(|number| number.is_finite()) else {
             return Err(self.out_of_range(unit, rule_text, ""));
         };
         match rule {
-            NumberRule::NotNegative if number < 0.0 => Err(self.out_of_range(unit, "not negative", "")),
-            NumberRule::Positive if number <= 0.0 => Err(self.out_of_range(unit, "positive", "")),
+            NumberRule::NotNegative if number < 0.0 => Err(self.out_of_range(unit, "not be negative", "")),
+            NumberRule::Positive if number <= 0.0 => Err(self.out_of_range(unit, "be positive", "")),
             _ => Ok(number + 0.0),
         }
     }
@@ -97,24 +99,26 @@ impl<'t> Value<'t> {
     /// An integer from `smallest` to `largest`.
     pub(super) fn integer(&self, smallest: i64, largest: i64) -> Result<i64, SceneError> {
         let DeValue::Integer(integer) = self.value else {
-            return Err(self.wrong_type("an integer", "", ""));
+            let help = if self.value.is_float() { "write it without a decimal point" } else { "" };
+            return Err(self.wrong_type("an integer", "", help));
         };
         match i64::from_str_radix(integer.as_str(), integer.radix()) {
             Ok(integer) if (smallest..=largest).contains(&integer) => Ok(integer),
             Ok(integer) if integer < smallest => {
-                Err(self.out_of_range("", &format!("at least {smallest}"), ""))
+                Err(self.out_of_range("", &format!("be at least {smallest}"), ""))
             }
-            Ok(_) => Err(self.out_of_range("", &format!("at most {largest}"), "")),
+            Ok(_) => Err(self.out_of_range("", &format!("be at most {largest}"), "")),
             // More than 64 bits: the sign says on which side.
             Err(_) if integer.as_str().starts_with('-') => {
-                Err(self.out_of_range("", &format!("at least {smallest}"), ""))
+                Err(self.out_of_range("", &format!("be at least {smallest}"), ""))
             }
-            Err(_) => Err(self.out_of_range("", &format!("at most {largest}"), "")),
+            Err(_) => Err(self.out_of_range("", &format!("be at most {largest}"), "")),
         }
     }
 
     pub(super) fn boolean(&self) -> Result<bool, SceneError> {
-        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false", "", "write it without quotes"))
+        let help = if self.value.is_str() { "write it without quotes" } else { "" };
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false", "", help))
     }
 
     pub(super) fn string(&self) -> Result<&'t str, SceneError> {
@@ -136,7 +140,11 @@ impl<'t> Value<'t> {
         let vector = self.vector("")?;
         let largest = vector.abs().max_element();
         if largest == 0.0 {
-            return Err(self.out_of_range("", "of non-zero length", "write a direction such as [0, 0, 1]"));
+            return Err(self.out_of_range(
+                "",
+                "have a length other than zero",
+                "write a direction such as [0, 0, 1]",
+            ));
         }
         // Scaled where a square would be too large or too small for a number.
         let scaled = if (1e-150..1e150).contains(&largest) { vector } else { vector / largest };
@@ -184,6 +192,18 @@ impl<'t> Value<'t> {
         elements.into_iter().map(|element| element.table(help)).collect()
     }
 
+    /// Rejects the names of what later versions have: each with what it asks for.
+    pub(super) fn reject_later(
+        &self,
+        later: &[(&str, &'static str)],
+        help: &'static str,
+    ) -> Result<(), SceneError> {
+        match later.iter().find(|(name, _)| self.value.as_str() == Some(*name)) {
+            Some((_, what)) => Err(self.not_available(what, help)),
+            None => Ok(()),
+        }
+    }
+
     /// The meaning of a name, from a list of names with meanings.
     pub(super) fn choice<T: Copy>(
         &self,
@@ -211,4 +231,14 @@ impl<'t> Value<'t> {
             valid: valid.into_iter().map(quoted).collect(),
         })
     }
+}
+
+/// `number` to 12 digits, for a message.
+pub(super) fn rounded(number: f64) -> String {
+    format!("{:?}", with_decimals(number, 11))
+}
+
+/// The number nearest to `number` with so many decimals after the first digit.
+pub(super) fn with_decimals(number: f64, decimals: usize) -> f64 {
+    format!("{number:.decimals$e}").parse().unwrap_or(number)
 }
