@@ -173,6 +173,21 @@ fn columns_are_counted_in_characters() {
     assert_eq!(error.position(), Some(Position { line: 31, column: 32, length: 3 }));
 }
 
+/// Values that are whole or perpendicular but for rounding are accepted and give the same run.
+#[test]
+fn rounding_is_accepted() {
+    for (old, new) in [
+        ("constant = 1e-3", "constant = 1.0000000005e-3"),
+        ("duration = 0.5", "duration = 0.50000000025"),
+        ("height_axis = [0, 0, 1]", "height_axis = [5e-10, 0, 1]"),
+        ("rows = 8, width = 1.0, height = 0.8", "rows = 1, width = 1.0"),
+        ("pins = [", "pins = [{ column = -10, row = -8 }, { column = 9, row = 7 }, "),
+    ] {
+        let scene = Scene::parse(&BASE.replace(old, new)).unwrap_or_else(|error| panic!("{new}: {error}"));
+        assert_eq!(scene.run(), Scene::parse(BASE).expect("the base scene is good").run());
+    }
+}
+
 /// Particles count over all cloths.
 #[test]
 fn cloths_together_stay_below_the_limit() {

@@ -78,7 +78,7 @@ fn read_frame_intervals(value: &Value, frame_rate: f64) -> Result<u64, SceneErro
     whole_frames(duration).ok_or_else(|| {
         let nearest: Vec<String> = [frames.floor(), frames.ceil()]
             .into_iter()
-            .filter(|count| 1.0 <= *count)
+            .filter(|count| (1.0..=MAX_FRAME_INTERVALS as f64).contains(count))
             .map(|count| shortest(count / frame_rate, |duration| whole_frames(duration) == Some(count as u64)))
             .collect();
         let plural = if nearest.len() == 1 { "duration is" } else { "durations are" };
