@@ -5,8 +5,11 @@ pub mod npz;
 mod raw;
 mod series;
 mod trajectory;
+mod view;
 
 use std::io;
+
+pub use view::{VIEW_VERTEX_FRAMES, ViewInfo, ViewSeries, write_view};
 
 use crate::Points;
 
