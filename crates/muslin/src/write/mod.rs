@@ -2,6 +2,8 @@
 
 mod gltf;
 pub mod npz;
+mod poster;
+mod raster;
 mod raw;
 mod series;
 mod trajectory;
@@ -14,6 +16,7 @@ pub use view::{VIEW_VERTEX_FRAMES, ViewInfo, ViewSeries, write_view};
 use crate::Points;
 
 pub use gltf::{GlbInfo, write_glb};
+pub use poster::write_poster;
 pub use raw::{POINT_BYTES, read_points, write_points};
 pub use series::{SeriesWriter, write_series};
 pub use trajectory::{MotionSource, TrajectoryReader, write_trajectory};
