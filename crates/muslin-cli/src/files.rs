@@ -4,10 +4,14 @@ use std::io;
 
 use muslin::force::{Configuration, Family};
 use muslin::observe::{EnergyTerms, ExpectOutcome, FrameRecord};
-use muslin::write::{GlbInfo, write_glb, write_series, write_trajectory};
+use muslin::write::{
+    FrameSource, GlbInfo, ViewInfo, ViewSeries, write_glb, write_poster, write_series, write_trajectory,
+    write_view,
+};
 use muslin::{Model, Points};
 
 use crate::error::CliError;
+use crate::frame_store::FrameStore;
 use crate::output::SUMMARY;
 use crate::progress::{duration_text, significant};
 use crate::run::Run;
@@ -23,6 +27,9 @@ const VIEW_VERTICES: usize = 16_400;
 /// Vertices per cloth in `poster.png` at most.
 const POSTER_VERTICES: usize = 263_000;
 
+/// Drawn coordinates relative to the largest one at time zero, at most.
+const PICTURE_LIMIT: f64 = 1e4;
+
 /// Width and height of `poster.png` [pixels].
 const POSTER_SIZE: [u32; 2] = [1280, 720];
 
@@ -33,7 +40,8 @@ pub(crate) fn write_files(
     ending: &Ending,
 ) -> Result<Vec<ExpectOutcome>, CliError> {
     let model = run.simulation.model();
-    let (scene, frames, store, output) = (run.scene, run.recorder.frames(), &mut run.store, &mut run.output);
+    let (scene, frames, output) = (run.scene, run.recorder.frames(), &mut run.output);
+    let store = &mut run.store;
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let pins: Vec<u32> = model.particles().pins().map(|particle| particle as u32).collect();
     output.write("scene.toml", |out| io::Write::write_all(out, file.text.as_bytes()))?;
@@ -48,7 +56,29 @@ pub(crate) fn write_files(
     })?;
     let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
     let info = GlbInfo { title: scene.title(), cloth_names: &names, frame_rate: scene.run().frame_rate };
-    output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), store))?;
+    let pictures =
+        &mut PictureFrames::new(store).map_err(|error| CliError::write(&output.partial(), &error))?;
+    if pictures.frame_count() == 0 {
+        output.remove(&["cloth.glb", "poster.png", "view.html"])?;
+    } else {
+        output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), pictures))?;
+        output.write("poster.png", |out| {
+            let mut positions = Points::default();
+            pictures.read_positions(pictures.frame_count() - 1, &mut positions)?;
+            write_poster(out, &model.surface(POSTER_VERTICES), &positions, &pins, POSTER_SIZE)
+        })?;
+        let info = view_info(run.scene, model, &run.recorder);
+        output.write("view.html", |out| {
+            write_view(
+                out,
+                &info,
+                &model.surface(VIEW_VERTICES),
+                &pins,
+                &mut particle_strains(model),
+                pictures,
+            )
+        })?;
+    }
     let outcomes: Vec<ExpectOutcome> = match ending {
         Ending::Complete => scene.expectations().iter().map(|line| line.check(&run.recorder)).collect(),
         Ending::Interrupted | Ending::Failed(_) => Vec::new(),
@@ -75,6 +105,47 @@ pub(crate) fn write_files(
         run.output.remove_partial()?;
     }
     Ok(outcomes)
+}
+
+/// The frames that can be drawn: those before the motion, if it is unstable, leaves all bounds.
+struct PictureFrames<'a> {
+    store: &'a mut FrameStore,
+    frame_count: usize,
+}
+
+impl<'a> PictureFrames<'a> {
+    /// The first frames of `store` whose coordinates stay within [`PICTURE_LIMIT`] times the largest at time zero, or
+    /// metres if that is less than a metre.
+    fn new(store: &'a mut FrameStore) -> io::Result<Self> {
+        let mut positions = Points::default();
+        let mut limit = PICTURE_LIMIT;
+        let mut frame_count = 0;
+        while frame_count < store.frame_count() {
+            store.read_positions(frame_count, &mut positions)?;
+            let axes = [&positions.x, &positions.y, &positions.z];
+            let largest =
+                axes.into_iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            if frame_count == 0 {
+                limit *= largest.max(1.0);
+            }
+            // Farther out, single precision cannot hold the squares of distances either.
+            if limit.min(1e18) < largest {
+                break;
+            }
+            frame_count += 1;
+        }
+        Ok(Self { store, frame_count })
+    }
+}
+
+impl FrameSource for PictureFrames<'_> {
+    fn frame_count(&self) -> usize {
+        self.frame_count
+    }
+
+    fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
+        self.store.read_positions(frame, positions)
+    }
 }
 
 /// Names with units, and values per frame, of `series.csv`.
@@ -109,4 +180,54 @@ fn strain_series(frames: &[FrameRecord]) -> Vec<(String, Vec<f64>)> {
         }
     }
     series
+}
+
+/// What `view.html` tells beside the motion.
+fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::Recorder) -> ViewInfo {
+    let frames = recorder.frames();
+    let settings = scene.run();
+    let mut facts = vec![
+        ("particles".to_owned(), model.particles().len().to_string()),
+        ("springs".to_owned(), model.spring_counts().iter().sum::<u64>().to_string()),
+        ("duration".to_owned(), duration_text(settings.duration)),
+        ("method".to_owned(), method_name(settings.method).to_owned()),
+    ];
+    if let Some(step) = recorder.steps().largest {
+        facts.push(("step".to_owned(), duration_text(step)));
+    }
+    if let [Some(max), _, _] = recorder.max_strains() {
+        facts.push(("largest strain".to_owned(), format!("{} %", significant(100.0 * max))));
+    }
+    let residual = muslin::observe::relative_residual(frames.iter().map(|frame| &frame.energies));
+    facts.push(("energy residual".to_owned(), format!("{residual:.1e}")));
+    if let Some(last) = frames.last() {
+        facts.push(("state hash".to_owned(), last.hash.to_string()[..12].to_owned()));
+    }
+    let energies = EnergyTerms::NAMES.iter().enumerate().map(|(index, name)| ViewSeries {
+        name: name.replace('_', " "),
+        values: frames.iter().map(|frame| frame.energies.values()[index]).collect(),
+    });
+    let strains = strain_series(frames).into_iter();
+    ViewInfo {
+        title: scene.title().to_owned(),
+        frame_rate: settings.frame_rate,
+        facts,
+        times: frames.iter().map(|frame| frame.time).collect(),
+        energies: energies.collect(),
+        strains: strains
+            .map(|(name, values)| ViewSeries { name: name.replace("_strain_", " "), values })
+            .collect(),
+    }
+}
+
+/// Gives the strain [1] of every particle from the positions of all.
+fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
+    move |positions, strains| {
+        strains.clear();
+        strains.resize(positions.len(), 0.0);
+        let at = Configuration { time: 0.0, particles: model.particles(), positions };
+        for force in model.forces() {
+            force.eval_particle_strains(at, strains);
+        }
+    }
 }

@@ -121,6 +121,15 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Removes files of an earlier run that this one has none of.
+    pub(crate) fn remove(&self, names: &[&str]) -> Result<(), CliError> {
+        names
+            .iter()
+            .map(|name| self.path.join(name))
+            .filter(|path| path.exists())
+            .try_for_each(|path| fs::remove_file(&path).map_err(|error| CliError::write(&path, &error)))
+    }
+
     /// Removes the run in progress, which nothing needs any more.
     pub(crate) fn remove_partial(&self) -> Result<(), CliError> {
         let partial = self.partial();
