@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Points or vectors in space as a structure of arrays; the unit is the owner's.
 ///
 /// The three arrays have the same length, so that loops over them vectorise. Single points are [`DVec3`].
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Points {
     /// First coordinates, one per point.
     pub x: Vec<f64>,
@@ -74,6 +74,19 @@ impl Points {
     /// The points in order.
     pub fn iter(&self) -> impl Iterator<Item = DVec3> + '_ {
         (0..self.len()).map(|index| self.get(index))
+    }
+}
+
+impl Clone for Points {
+    fn clone(&self) -> Self {
+        Self { x: self.x.clone(), y: self.y.clone(), z: self.z.clone() }
+    }
+
+    /// Keeps the memory of `self`, which a derived `clone_from` would not.
+    fn clone_from(&mut self, source: &Self) {
+        self.x.clone_from(&source.x);
+        self.y.clone_from(&source.y);
+        self.z.clone_from(&source.z);
     }
 }
 

@@ -126,7 +126,7 @@ impl Integrator for CentralDifference {
         let finite = self.workers.all_blocks(model.blocks(), arrays, &move_block);
         state.time += step;
         state.last_step = step;
-        if finite { Ok(()) } else { Err(not_finite(state)) }
+        if finite { Ok(()) } else { Err(not_finite(model.particles(), state)) }
     }
 
     fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
@@ -178,10 +178,41 @@ fn move_axis(
 }
 
 /// The error of a state that has a non-finite value.
-fn not_finite(state: &State) -> StepError {
-    let is_finite = |particle: &usize| {
-        state.positions.get(*particle).is_finite() && state.velocities.get(*particle).is_finite()
+///
+/// It names a free particle if there is one: a pin only catches the force of a neighbour, times zero.
+fn not_finite(particles: &Particles, state: &State) -> StepError {
+    let is_finite = |particle: usize| {
+        state.positions.get(particle).is_finite() && state.velocities.get(particle).is_finite()
     };
-    let particle = (0..state.positions.len()).find(|particle| !is_finite(particle)).unwrap_or_default();
+    let failed = || (0..particles.len()).filter(|&particle| !is_finite(particle));
+    let free = failed().find(|&particle| !particles.pinned()[particle]);
+    let particle = free.or_else(|| failed().next()).unwrap_or_default();
     StepError::NotFinite { particle, time: state.time }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    /// A column of two, pinned at the top, with a step 1000 times too large: the spring's force on the pin overflows, too.
+    #[test]
+    fn a_failed_step_names_a_free_particle() {
+        let text = "
+            title = ''\n[run]\nduration = 1.0\nstep = { constant = 0.05 }\nframe_rate = 10.0
+            [environment]\ngravity = [0, -9.81, 0]
+            [fabric.f]\nkind = 'springs'\nparticle_mass = 1e-3\ndrag = 0
+            structural = { stiffness = 1e6, law = 'linear' }\nshear = { stiffness = 0, law = 'linear' }
+            bend = { stiffness = 0, law = 'linear' }
+            [[cloth]]\nname = 'c'\nfabric = 'f'\ngrid = { columns = 1, rows = 2, height = 1.0 }
+            place = { origin = [0, 0, 0], width_axis = [1, 0, 0], height_axis = [0, -1, 0] }\npins = [{ row = 0 }]
+        ";
+        let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{}", error.render("test", text)));
+        let model = Model::new(&scene);
+        let mut state = model.initial_state(&scene);
+        let mut method = CentralDifference::new(Workers::single());
+        let error = (0..1000).find_map(|_| method.step(&model, &mut state, 0.05).err()).unwrap();
+        assert!(!state.positions.get(0).is_finite(), "the pin caught it, too");
+        assert!(matches!(error, StepError::NotFinite { particle: 1, .. }), "{error}");
+    }
 }

@@ -36,7 +36,7 @@ pub enum StepError {
     /// The motion left the range of numbers, most likely because the step is larger than the largest stable one.
     #[error("particle {particle} has no finite position or velocity at {time} s")]
     NotFinite {
-        /// First such particle.
+        /// First such particle that is not pinned.
         particle: usize,
         /// Simulated time [s] at the end of the failed step.
         time: f64,

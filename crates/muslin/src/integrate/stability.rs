@@ -49,7 +49,9 @@ pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
 ///
 /// ω² is the largest eigenvalue of `M^(−1/2) K M^(−1/2)` over the free particles, by Lanczos iteration from a fixed
 /// start vector: exact to round-off for small models, too large a step by less than 0.1 % for large ones. In shapes that
-/// the cloth takes later the limit may differ; [`guaranteed_stable_step`] of a linear spring does not.
+/// the cloth takes later the limit may differ. With linear springs along their current length it stays above the
+/// [`guaranteed_stable_step`] of the flat cloth unless a spring is pressed below half of its rest length; as printed,
+/// divided by the rest length, a spring stiffens as it stretches.
 #[must_use]
 pub fn largest_stable_step(model: &Model, state: &State, workers: &Workers) -> f64 {
     let mut operator = StiffnessOperator::new(model, state, workers);

@@ -69,13 +69,16 @@ impl EnergyTerms {
 
 /// The largest residual of any frame, relative to the largest change of any term since the first frame.
 ///
-/// Zero if no energy changes at all.
+/// Zero if no energy changes at all; +∞ if one is no longer a finite number, as before an unstable run ends.
 #[must_use]
 pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) -> f64 {
     let mut frames = frames.into_iter();
     let Some(first) = frames.next() else { return 0.0 };
     let (mut residual, mut scale) = (0.0_f64, 0.0_f64);
     for terms in frames {
+        if !terms.values().iter().all(|value| value.is_finite()) {
+            return f64::INFINITY;
+        }
         residual = residual.max(terms.residual.abs());
         for (value, initial) in terms.values().iter().zip(first.values()).take(7) {
             scale = scale.max((value - initial).abs());

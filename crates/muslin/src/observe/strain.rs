@@ -42,7 +42,7 @@ impl StrainMonitor {
     /// Largest strain over all steps so far, per family in the order of [`Family::ALL`](crate::force::Family::ALL).
     #[must_use]
     pub fn maxima(&self) -> [Option<f64>; 3] {
-        self.maxima.map(|max| max.is_finite().then_some(max))
+        self.maxima.map(|max| (max > f64::NEG_INFINITY).then_some(max))
     }
 
     /// Strains in the latest frame, per family.
