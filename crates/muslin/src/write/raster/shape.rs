@@ -8,7 +8,7 @@ use crate::model::{Surface, SurfaceGrid};
 
 /// Pixels along a side of a triangle, about.
 const TRIANGLE_PIXELS: f64 = 4.5;
-/// Most vertices of a refined surface; one that has more to begin with is drawn as it is.
+/// Most vertices of a surface, about: coarse grids are refined, and fine ones thinned, to fewer.
 const MOST_VERTICES: usize = 80_000;
 /// Area below which a sheet has collapsed onto a line.
 const LEAST_AREA: f64 = 1e-5;
@@ -80,7 +80,8 @@ pub(in crate::write) fn add_lone_particle(mesh: &mut Mesh, points: &[DVec3]) {
 /// Adds a smooth sheet through the `knots` of `grid`, of at most about `most` vertices; its border alone where it has
 /// no area.
 fn add_grid(mesh: &mut Mesh, grid: &SurfaceGrid, knots: &[DVec3], spacing: f64, most: usize) {
-    let [columns, rows] = [grid.columns, grid.rows];
+    let (knots, columns) = thinned(knots, grid.columns, most);
+    let rows = knots.len() / columns;
     let length = |from: usize, to: usize| (knots[to] - knots[from]).length();
     let across = (0..knots.len()).filter(|v| v % columns != 0).map(|v| length(v - 1, v)).sum::<f64>()
         / ((columns - 1) * rows) as f64;
@@ -93,7 +94,7 @@ fn add_grid(mesh: &mut Mesh, grid: &SurfaceGrid, knots: &[DVec3], spacing: f64, 
         steps[longer] -= 1;
     }
     let [fine_across, fine_along] = [across / steps[0] as f64, along / steps[1] as f64];
-    let fine = refine_grid(knots, columns, steps);
+    let fine = refine_grid(&knots, columns, steps);
     let fine_columns = (columns - 1) * steps[0] + 1;
     let area: f64 = (fine_columns..fine.len())
         .filter(|v| v % fine_columns != 0)
@@ -110,6 +111,23 @@ fn add_grid(mesh: &mut Mesh, grid: &SurfaceGrid, knots: &[DVec3], spacing: f64, 
             mesh.add_tube(&border, THREAD_RADIUS, 10);
         }
     }
+}
+
+/// Every so-many-th row and column of a grid, and the last, so that at most about `most` knots are left; and how many
+/// columns that makes.
+fn thinned(knots: &[DVec3], columns: usize, most: usize) -> (Vec<DVec3>, usize) {
+    let rows = knots.len() / columns;
+    let kept = |count: usize, stride: usize| (count - 1).div_ceil(stride) + 1;
+    let mut stride = 1;
+    while most.max(4) < kept(columns, stride) * kept(rows, stride) {
+        stride += 1;
+    }
+    let index = move |n: usize, count: usize| n * (count - 1) / (kept(count, stride) - 1);
+    let thinned = (0..kept(rows, stride))
+        .flat_map(|row| (0..kept(columns, stride)).map(move |column| (row, column)))
+        .map(|(row, column)| knots[index(row, rows) * columns + index(column, columns)])
+        .collect();
+    (thinned, kept(columns, stride))
 }
 
 /// Adds a smooth thread through `knots` and beads on some of them.
@@ -189,6 +207,24 @@ mod tests {
             (0..6).map(|n| if n == 3 { DVec3::NAN } else { DVec3::X * f64::from(n) }).collect();
         let threads = threads(&[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]], &points);
         assert_eq!(threads, [vec![points[0], points[1], points[2]], vec![points[4], points[5]]]);
+    }
+
+    #[test]
+    fn fine_grids_are_thinned_with_their_border() {
+        let knots: Vec<DVec3> =
+            (0..100 * 60).map(|v| DVec3::new((v % 100) as f64, (v / 100) as f64, 0.0)).collect();
+        let (thin, columns) = thinned(&knots, 100, 1000);
+        assert_eq!((columns, thin.len()), (34, 34 * 21));
+        assert_eq!(
+            [thin[0], thin[33], thin[34 * 20], thin[34 * 21 - 1]],
+            [
+                DVec3::ZERO,
+                DVec3::new(99.0, 0.0, 0.0),
+                DVec3::new(0.0, 59.0, 0.0),
+                DVec3::new(99.0, 59.0, 0.0)
+            ]
+        );
+        assert_eq!(thinned(&knots, 100, 6000), (knots.clone(), 100));
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(super) const SKY: DVec3 = DVec3::new(0.255, 0.275, 0.29);
 /// Radiance of the floor times π, as far as it lights the cloth from below.
 pub(super) const BOUNCE: DVec3 = DVec3::new(0.10, 0.105, 0.105);
 /// Albedo of the floor.
-const FLOOR: DVec3 = DVec3::new(0.088, 0.118, 0.132);
+const FLOOR: DVec3 = DVec3::new(0.078, 0.110, 0.133);
 /// Colour of the backdrop at the level of the floor, and high above.
 const BACKDROP: [DVec3; 2] = [DVec3::new(0.082, 0.112, 0.126), DVec3::new(0.020, 0.030, 0.037)];
 /// Angle of the key light above the horizon, and from the camera to its side [rad].
@@ -64,7 +64,7 @@ impl Studio {
             normals.push(DVec3::Y);
         }
         let mut lights = eval_lights(mesh, &points, &normals, key);
-        let floor_lights = lights.split_off(mesh.points.len());
+        let floor_lights = softened(&lights.split_off(mesh.points.len()));
         (Self { camera, key, floor_height, floor_centre, floor_lights }, lights)
     }
 
@@ -121,6 +121,29 @@ impl Studio {
     }
 }
 
+/// The floor's light, each texel blended with its eight neighbours by the weights 1, 2, 1 both ways.
+fn softened(lights: &[Light]) -> Vec<Light> {
+    let last = FLOOR_SIDE - 1;
+    let blend = |lights: &[Light], texel: usize, [before, after]: [usize; 2]| {
+        Light::blend([&lights[before], &lights[texel], &lights[after]], [0.25, 0.5, 0.25])
+    };
+    let texels = 0..FLOOR_SIDE * FLOOR_SIDE;
+    let along_rows: Vec<Light> = texels
+        .clone()
+        .map(|texel| {
+            let column = texel % FLOOR_SIDE;
+            blend(lights, texel, [texel - usize::from(0 < column), texel + usize::from(column < last)])
+        })
+        .collect();
+    texels
+        .map(|texel| {
+            let row = texel / FLOOR_SIDE;
+            let [up, down] = [usize::from(0 < row), usize::from(row < last)].map(|step| step * FLOOR_SIDE);
+            blend(&along_rows, texel, [texel - up, texel + down])
+        })
+        .collect()
+}
+
 /// Unit vector to the key light on the left (`side` −1) or the right (1) of `camera`.
 fn key_direction(camera: &Camera, side: f64) -> DVec3 {
     let level = DVec3::new(camera.back.x, 0.0, camera.back.z).normalize();
@@ -142,4 +165,41 @@ fn mean_cosine(mesh: &Mesh, camera: &Camera, key: DVec3) -> f64 {
         }
     }
     if 0.0 < total { sum / total } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A single dark texel spreads by the binomial weights and keeps its sum, also at the border.
+    #[test]
+    fn softening_keeps_the_sum_of_the_light() {
+        let dark = |place: usize| {
+            let mut lights = vec![Light { key: 1.0, ..Light::default() }; FLOOR_SIDE * FLOOR_SIDE];
+            lights[place].key = 0.0;
+            softened(&lights)
+        };
+        let inside = dark(5 * FLOOR_SIDE + 7);
+        assert_eq!(inside[5 * FLOOR_SIDE + 7].key, 0.75);
+        assert_eq!(inside[6 * FLOOR_SIDE + 6].key, 1.0 - 1.0 / 16.0);
+        for lights in [inside, dark(0), dark(FLOOR_SIDE * FLOOR_SIDE - 1)] {
+            let lost: f64 = lights.iter().map(|light| 1.0 - light.key).sum();
+            assert_eq!(lost, 1.0);
+        }
+    }
+
+    /// The light leans to the side and comes from above, on the camera's side of the shape.
+    #[test]
+    fn key_light_comes_from_the_side_of_the_camera() {
+        let mut mesh = Mesh::default();
+        mesh.add_sphere(DVec3::ZERO, 0.5, 8, crate::write::raster::Material::Bead);
+        let camera = Camera::three_quarter(&mesh, &[], [160, 90]);
+        for side in [-1.0, 1.0] {
+            let key = key_direction(&camera, side);
+            assert!((key.length() - 1.0).abs() < 1e-15);
+            assert!((key.y - libm::sin(KEY_ANGLES[0])).abs() < 1e-15);
+            let aside = side * libm::cos(KEY_ANGLES[0]) * libm::sin(KEY_ANGLES[1]);
+            assert!((key.dot(camera.right) - aside).abs() < 1e-15);
+        }
+    }
 }
