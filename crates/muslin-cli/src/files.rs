@@ -25,7 +25,7 @@ const GLB_VERTICES: usize = 66_000;
 const VIEW_VERTICES: usize = 16_400;
 
 /// Vertices per cloth in `poster.png` at most.
-const POSTER_VERTICES: usize = 263_000;
+const POSTER_VERTICES: usize = 80_000;
 
 /// Drawn coordinates relative to the largest one at time zero, at most.
 const PICTURE_LIMIT: f64 = 1e4;
