@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
-use super::law::{Spring, SpringLaw, TensionLaw};
+use super::law::{SpringLaw, TensionLaw};
+use super::spring::Spring;
 use super::{Configuration, Family, Force, PotentialEnergies, StrainSums};
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
@@ -103,30 +102,9 @@ impl GridSprings {
 }
 
 impl GridFamily {
-    /// Axial tangent and coefficient c, both [N/m], of a spring of `rest_length` [m] and `length` [m].
-    fn stiffnesses(&self, rest_length: f64, length: f64) -> (f64, f64) {
-        match self.law {
-            SpringLaw::Linear(law) => {
-                let spring = Spring { law, rest_length, direction: self.direction };
-                (spring.axial_tangent(length), spring.coefficient(length))
-            }
-        }
-    }
-
-    /// `K u` [N] of a spring of `rest_length` [m] along `vector` [m] for the displacement u [m] between its ends.
-    fn tangent_product(&self, rest_length: f64, vector: DVec3, displacement: DVec3) -> DVec3 {
-        match self.law {
-            SpringLaw::Linear(law) => {
-                Spring { law, rest_length, direction: self.direction }.tangent_product(vector, displacement)
-            }
-        }
-    }
-
-    /// Energy [J] of a spring of `rest_length` [m] and `length` [m].
-    fn energy(&self, rest_length: f64, length: f64) -> f64 {
-        match self.law {
-            SpringLaw::Linear(law) => Spring { law, rest_length, direction: self.direction }.energy(length),
-        }
+    /// A spring of `rest_length` [m].
+    fn spring(&self, rest_length: f64) -> Spring<SpringLaw> {
+        Spring { law: self.law, rest_length, direction: self.direction }
     }
 }
 
@@ -209,11 +187,17 @@ impl Force for GridSprings {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
                     let Some(pair) = neighbour.row_pair(&self.grid, row) else { continue };
-                    let (rest_length, direction) = (neighbour.rest_length, family.direction);
+                    let spring = family.spring(neighbour.rest_length);
+                    let (positions, offset) = (at.positions, block.start);
                     match family.law {
                         SpringLaw::Linear(law) => {
-                            let spring = Spring { law, rest_length, direction };
-                            add_row_forces(&spring, at.positions, &pair, block.start, forces);
+                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces)
+                        }
+                        SpringLaw::Tangent(law) => {
+                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces)
+                        }
+                        SpringLaw::Arctangent(law) => {
+                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
                         }
                     }
                 }
@@ -231,7 +215,8 @@ impl Force for GridSprings {
         self.for_each_neighbour(block, |family, own, other, rest_length| {
             let vector = at.positions.get(other) - at.positions.get(own);
             let displacement = displacements.get(own) - displacements.get(other);
-            products.add(own - block.start, family.tangent_product(rest_length, vector, displacement));
+            let product = family.spring(rest_length).tangent_product(vector, displacement);
+            products.add(own - block.start, product);
         });
     }
 
@@ -239,7 +224,8 @@ impl Force for GridSprings {
         let pinned = at.particles.pinned();
         self.for_each_neighbour(block, |family, own, other, rest_length| {
             let length = at.positions.get(own).distance(at.positions.get(other));
-            let (along, across) = family.stiffnesses(rest_length, length);
+            let spring = family.spring(rest_length);
+            let (along, across) = (spring.axial_tangent(length), spring.coefficient(length));
             // The spring adds K to the particle's own column and −K to its neighbour's, which a pin removes.
             let columns = if pinned[other] { 1.0 } else { 2.0 };
             bounds[own - block.start] += columns * along.abs().max(across.abs());
@@ -250,7 +236,7 @@ impl Force for GridSprings {
         self.for_each_spring_row(|family, pair, rest_length| {
             for (own, other) in pair.own.zip(pair.other) {
                 let length = at.positions.get(own).distance(at.positions.get(other));
-                energies.elastic[family.family as usize] += family.energy(rest_length, length);
+                energies.elastic[family.family as usize] += family.spring(rest_length).energy(length);
             }
         });
     }

@@ -6,6 +6,7 @@
 mod gravity;
 mod grid_springs;
 mod law;
+mod spring;
 mod wind;
 
 use std::fmt;
@@ -13,7 +14,8 @@ use std::ops::Range;
 
 pub use gravity::Gravity;
 pub use grid_springs::GridSprings;
-pub use law::{LinearLaw, Spring, SpringLaw, TensionLaw};
+pub use law::{ArctangentLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use spring::Spring;
 pub use wind::ParticleWind;
 
 use crate::model::Particles;

@@ -175,6 +175,13 @@ pub struct SpringSettings {
 pub enum SpringLawSettings {
     /// `"linear"`: f = k (ℓ - L).
     Linear,
+    /// `"tangent"`: stiffens without bound as the strain approaches ½π times the scale.
+    Tangent {
+        /// Strain scale a [1], positive.
+        strain_scale: f64,
+    },
+    /// `"arctangent-force"`: the paper's limit curve taken literally as a force; softens.
+    ArctangentForce,
 }
 
 /// `[[cloth]]`

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::table::{Entry, Table};
 use super::value::{NumberRule, Value};
+use crate::scene::error::SceneErrorKind;
 use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
 
 pub(super) fn read(entry: Entry) -> Result<BTreeMap<String, Fabric>, SceneError> {
@@ -54,23 +55,29 @@ fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let law = table.take("law");
     if let Some(law) = table.peek("law").optional() {
-        let later = [
-            ("tangent", "the spring law \"tangent\""),
-            ("arctangent-force", "the spring law \"arctangent-force\""),
-            ("curve", "the spring law \"curve\""),
-        ];
-        law.reject_later(&later, "use `law = \"linear\"`")?;
-        law.choice("is not the law of a spring", &[("linear", ())])?;
+        law.reject_later(&[("curve", "the spring law \"curve\"")], "use `law = \"linear\"`")?;
     }
     reject_limit(&table)?;
     let stiffness = table.take("stiffness");
+    let strain_scale = table.take("strain_scale");
     table.finish()?;
 
-    law.required("", "write `law = \"linear\"`")?;
-    Ok(SpringSettings {
-        stiffness: stiffness.number("N/m", NumberRule::NotNegative)?,
-        law: SpringLawSettings::Linear,
-    })
+    let known = [
+        ("linear", SpringLawSettings::Linear),
+        ("tangent", SpringLawSettings::Tangent { strain_scale: 1.0 }),
+        ("arctangent-force", SpringLawSettings::ArctangentForce),
+    ];
+    let law_value = law.required("", "write `law = \"linear\"`")?;
+    let mut law = law_value.choice("is not the law of a spring", &known)?;
+    if let SpringLawSettings::Tangent { strain_scale: scale } = &mut law {
+        *scale = strain_scale.number("1", NumberRule::Positive)?;
+    } else if let Some(scale) = strain_scale.optional() {
+        let message =
+            format!("`{}` is of the law \"tangent\", but the law is {}", scale.path, law_value.as_written());
+        let help = "leave it out, or write `law = \"tangent\"`".to_owned();
+        return Err(scale.error(SceneErrorKind::Inconsistent { message, help }));
+    }
+    Ok(SpringSettings { stiffness: stiffness.number("N/m", NumberRule::NotNegative)?, law })
 }
 
 fn reject_limit(table: &Table) -> Result<(), SceneError> {

@@ -1,0 +1,94 @@
+//! Laws of tension against extension.
+
+mod arctangent;
+mod linear;
+mod tangent;
+
+pub use arctangent::ArctangentLaw;
+pub use linear::LinearLaw;
+pub use tangent::TangentLaw;
+
+use crate::scene::{SpringLawSettings, SpringSettings};
+
+/// Tension of a spring against its extension.
+///
+/// With extension `x = ℓ − L` [m] and rest length `L` [m]:
+///
+/// ```text
+/// f(x) [N]    k_t = df/dx [N/m]    E = ∫₀ˣ f(s) ds [J]    M = ∫₀ˣ f(s) s ds [J m]
+/// ```
+pub trait TensionLaw: Copy + Send + Sync {
+    /// Tension f [N], positive when it pulls the ends together.
+    fn tension(self, extension: f64, rest_length: f64) -> f64;
+
+    /// Tangent k_t [N/m].
+    fn tangent(self, extension: f64, rest_length: f64) -> f64;
+
+    /// Energy E [J].
+    fn energy(self, extension: f64, rest_length: f64) -> f64;
+
+    /// First moment M [J m] of the tension, which the as-printed force direction needs for its energy.
+    fn energy_moment(self, extension: f64, rest_length: f64) -> f64;
+}
+
+/// Any law that a scene can name.
+///
+/// It is a law itself; loops over many springs match it once and use the law inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringLaw {
+    /// `"linear"`
+    Linear(LinearLaw),
+    /// `"tangent"`
+    Tangent(TangentLaw),
+    /// `"arctangent-force"`
+    Arctangent(ArctangentLaw),
+}
+
+impl SpringLaw {
+    /// The law of `settings`.
+    #[must_use]
+    pub fn new(settings: SpringSettings) -> Self {
+        let stiffness = settings.stiffness;
+        match settings.law {
+            SpringLawSettings::Linear => Self::Linear(LinearLaw { stiffness }),
+            SpringLawSettings::Tangent { strain_scale } => {
+                Self::Tangent(TangentLaw::new(stiffness, strain_scale))
+            }
+            SpringLawSettings::ArctangentForce => Self::Arctangent(ArctangentLaw { stiffness }),
+        }
+    }
+}
+
+impl TensionLaw for SpringLaw {
+    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+        match self {
+            Self::Linear(law) => law.tension(extension, rest_length),
+            Self::Tangent(law) => law.tension(extension, rest_length),
+            Self::Arctangent(law) => law.tension(extension, rest_length),
+        }
+    }
+
+    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+        match self {
+            Self::Linear(law) => law.tangent(extension, rest_length),
+            Self::Tangent(law) => law.tangent(extension, rest_length),
+            Self::Arctangent(law) => law.tangent(extension, rest_length),
+        }
+    }
+
+    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+        match self {
+            Self::Linear(law) => law.energy(extension, rest_length),
+            Self::Tangent(law) => law.energy(extension, rest_length),
+            Self::Arctangent(law) => law.energy(extension, rest_length),
+        }
+    }
+
+    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+        match self {
+            Self::Linear(law) => law.energy_moment(extension, rest_length),
+            Self::Tangent(law) => law.energy_moment(extension, rest_length),
+            Self::Arctangent(law) => law.energy_moment(extension, rest_length),
+        }
+    }
+}
