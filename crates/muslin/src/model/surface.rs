@@ -46,7 +46,7 @@ impl Surface {
             (1, 1) => self.points.push(first_vertex),
             (1, _) => self.lines.extend((1..kept_rows).map(|row| [vertex(0, row - 1), vertex(0, row)])),
             (_, 1) => {
-                self.lines.extend((1..kept_columns).map(|column| [vertex(column - 1, 0), vertex(column, 0)]))
+                self.lines.extend((1..kept_columns).map(|column| [vertex(column - 1, 0), vertex(column, 0)]));
             }
             _ => {
                 for row in 1..kept_rows {
@@ -96,7 +96,8 @@ fn kept(count: usize, stride: usize) -> usize {
 /// Indices spread evenly from the first to the last of `count`, [`kept`] of them.
 fn thinned(count: usize, stride: usize) -> Vec<usize> {
     let intervals = kept(count, stride) - 1;
-    (0..=intervals).map(|n| if intervals == 0 { 0 } else { n * (count - 1) / intervals }).collect()
+    // A single index has no interval; the divisor is then any.
+    (0..=intervals).map(|n| n * (count - 1) / intervals.max(1)).collect()
 }
 
 #[cfg(test)]

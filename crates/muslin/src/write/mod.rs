@@ -1,6 +1,10 @@
 //! Formats, each written to an `impl Write`. Nothing here opens a file.
 
+mod view;
+
 use std::io;
+
+pub use view::{VIEW_VERTEX_FRAMES, ViewInfo, ViewSeries, write_view};
 
 use crate::Points;
 
