@@ -84,7 +84,7 @@ const percent = (share) => `${(100 * share).toFixed(2)} %`;
 async function checkWorking() {
   const { page, complaints, started } = await open(browser, [1280, 900]);
   await page.waitForSelector("body.ready", { timeout: 30_000 });
-  console.log(`ready after ${Math.round(performance.now() - started)} ms`);
+  console.log(`ready after ${Math.round(performance.now() - started)} ms, rendered in software`);
   await page.waitForTimeout(700);
   const run = JSON.parse(await page.locator("#run").textContent());
   const duration = (run.frameCount - 1) / run.frameRate;
@@ -171,6 +171,10 @@ async function checkSizes() {
       await page.waitForSelector("body.ready", { timeout: 30_000 });
       const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       check(overflow <= 0, `${name}, ${colorScheme}: nothing is wider than the window`);
+      const plotOverflow = await page.locator("#plots figure").evaluateAll((figures) =>
+        Math.max(0, ...figures.map((figure) => figure.querySelector(".uplot").offsetWidth - figure.clientWidth)),
+      );
+      check(plotOverflow <= 1, `${name}, ${colorScheme}: plots keep to their places`);
       await page.locator("#scrub").evaluate((scrub) => {
         scrub.value = String(0.45 * Number(scrub.max));
         scrub.dispatchEvent(new Event("input", { bubbles: true }));

@@ -8,11 +8,11 @@ import {
 import { colourStrains } from "./colour";
 import type { Motion } from "./motion";
 
-const FRONT = "#efe5d3";
-const BACK = "#e3d6c0";
+const FRONT = "#f6f2ea";
+const BACK = "#e9e1d3";
 /** The back stays a shade darker where strain gives the colour. */
 const BACK_OF_COLOURED = "#efeae1";
-const THREAD = "#8a7458";
+const THREAD = "#b39c7c";
 const PIN = "#a5483a";
 /** Radius of a pin [units]. */
 const PIN_RADIUS = 0.013;
@@ -171,7 +171,7 @@ export class Cloth {
 function face(side: Side, colour: string): MeshPhysicalMaterial {
   const material = new MeshPhysicalMaterial({ color: colour, side, roughness: 0.92, sheen: SHEEN });
   material.sheenRoughness = 0.55;
-  material.sheenColor.set("#fff4e2");
+  material.sheenColor.set("#fff8ee");
   return material;
 }
 

@@ -6,6 +6,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Cloth } from "./cloth";
 import { Floor } from "./floor";
+import { Staff } from "./staff";
 import { roundDown } from "./format";
 import { type Samples, frame, sampleRun } from "./framing";
 import type { Motion } from "./motion";
@@ -31,8 +32,9 @@ export class Stage {
   readonly #camera = new PerspectiveCamera(30, 1, 0.01, 100);
   readonly #controls: OrbitControls;
   readonly #floor: Floor;
-  readonly #sun = new DirectionalLight("#fff3e0", 2.5);
-  readonly #sky = new HemisphereLight("#fffaf2", "#bfa98a", 1.35);
+  readonly #staff: Staff;
+  readonly #sun = new DirectionalLight("#fff8ef", 2.1);
+  readonly #sky = new HemisphereLight("#fffefb", "#d9cfc1", 1.75);
   readonly #samples: Samples;
   /** Where the cloth was when the view last followed it. */
   readonly #centre = new Vector3();
@@ -51,11 +53,14 @@ export class Stage {
 
     const { runExtent, run, unit } = motion;
     this.gridSpacing = roundDown(0.12 * unit);
-    const zero = [0, 2].map((axis) => -(run.low[axis] / unit + runExtent[axis] / 2) % (5 * (this.gridSpacing / unit)));
-    this.#floor = new Floor(-runExtent[1] / 2 - 0.03, this.gridSpacing / unit, new Vector2(...zero));
+    const spacing = this.gridSpacing / unit;
+    const zero = [0, 2].map((axis) => -(run.low[axis] / unit + runExtent[axis] / 2) % (5 * spacing));
+    const ground = -runExtent[1] / 2 - 0.03;
+    this.#floor = new Floor(ground, spacing, new Vector2(...zero));
+    this.#staff = new Staff(ground, runExtent[1] + 0.5, spacing, this.#samples.direction);
     this.cloth = new Cloth(motion);
     this.#light();
-    this.#scene.add(this.cloth.group, this.#floor.group, this.#sky, this.#sun, this.#sun.target);
+    this.#scene.add(this.cloth.group, this.#floor.group, this.#staff.lines, this.#sky, this.#sun, this.#sun.target);
 
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.enableDamping = true;
@@ -121,6 +126,7 @@ export class Stage {
 
   setTheme(line: string, shadowOpacity: number): void {
     this.#floor.setTheme(line, shadowOpacity);
+    this.#staff.setTheme(line);
     this.request();
   }
 
@@ -157,6 +163,8 @@ export class Stage {
     const toSun = side.multiplyScalar(-0.75).add(new Vector3(direction.x, 0, direction.z).multiplyScalar(0.85));
     this.#sun.position.set(x, y, z).add(toSun.setY(1.05).normalize().multiplyScalar(4));
     const spread = Math.max(this.#motion.runExtent[0], this.#motion.runExtent[2], 1);
+    this.#staff.lines.visible = this.#following;
+    this.#staff.moveTo(x, z);
     if (this.#following) this.#floor.moveTo(x, z, 3);
     else this.#floor.moveTo(0, 0, 1.2 + 1.1 * spread);
   }
