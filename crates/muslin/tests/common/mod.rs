@@ -1,0 +1,266 @@
+//! Scenes made of numbers, and observers, for the test binaries.
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+pub(crate) mod random_scene;
+
+use std::fmt::Write as _;
+
+use muslin::integrate::Workers;
+use muslin::observe::{Observer, StateHash};
+use muslin::{Model, Points, Scene, Simulation, State};
+
+/// A scene as numbers, of which tests make the text that the library reads, and the motion that it must have.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneNumbers {
+    pub(crate) frame_intervals: u32,
+    pub(crate) frame_rate: f64,
+    pub(crate) steps_per_frame: u32,
+    pub(crate) as_printed_start: bool,
+    pub(crate) allow_unstable: bool,
+    pub(crate) gravity: [f64; 3],
+    pub(crate) winds: Vec<WindNumbers>,
+    pub(crate) cloths: Vec<ClothNumbers>,
+}
+
+/// A wind F = A sin(ω t + φ) d on every particle.
+#[derive(Clone, Debug)]
+pub(crate) struct WindNumbers {
+    pub(crate) amplitude: f64,
+    pub(crate) angular_frequency: f64,
+    pub(crate) phase: f64,
+    pub(crate) direction: [f64; 3],
+}
+
+/// A cloth with a fabric of its own.
+#[derive(Clone, Debug)]
+pub(crate) struct ClothNumbers {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) origin: [f64; 3],
+    pub(crate) width_axis: [f64; 3],
+    pub(crate) height_axis: [f64; 3],
+    /// Column and row of every pin.
+    pub(crate) pins: Vec<(usize, usize)>,
+    pub(crate) mass: f64,
+    pub(crate) drag: f64,
+    pub(crate) rest_length_direction: bool,
+    /// Structural, shear and bend stiffness [N/m].
+    pub(crate) stiffnesses: [f64; 3],
+}
+
+impl Default for SceneNumbers {
+    /// One second of the default cloth under gravity.
+    fn default() -> Self {
+        Self {
+            frame_intervals: 50,
+            frame_rate: 50.0,
+            steps_per_frame: 20,
+            as_printed_start: false,
+            allow_unstable: false,
+            gravity: [0.0, -9.81, 0.0],
+            winds: Vec::new(),
+            cloths: vec![ClothNumbers::default()],
+        }
+    }
+}
+
+impl Default for ClothNumbers {
+    /// The cloth of the paper's Fig. 3 with this project's constants: 10 x 10, horizontal, held by two corners.
+    fn default() -> Self {
+        Self {
+            columns: 10,
+            rows: 10,
+            width: 1.0,
+            height: 1.0,
+            origin: [-0.5, 1.0, 0.0],
+            width_axis: [1.0, 0.0, 0.0],
+            height_axis: [0.0, 0.0, 1.0],
+            pins: vec![(0, 0), (9, 0)],
+            mass: 0.002,
+            drag: 0.002,
+            rest_length_direction: false,
+            stiffnesses: [60.0, 20.0, 2.0],
+        }
+    }
+}
+
+impl SceneNumbers {
+    /// The step [s].
+    pub(crate) fn step(&self) -> f64 {
+        1.0 / (self.frame_rate * f64::from(self.steps_per_frame))
+    }
+
+    /// The scene's text.
+    pub(crate) fn text(&self) -> String {
+        let start = if self.as_printed_start { "as-printed" } else { "consistent" };
+        let mut text = format!(
+            "title = \"test\"\n\
+             [run]\nduration = {:?}\nframe_rate = {:?}\nstep = {{ constant = {:?} }}\nstart = \"{start}\"\n\
+             allow-unstable = {}\n\
+             [environment]\ngravity = {:?}\n",
+            f64::from(self.frame_intervals) / self.frame_rate,
+            self.frame_rate,
+            self.step(),
+            self.allow_unstable,
+            self.gravity,
+        );
+        for wind in &self.winds {
+            let WindNumbers { amplitude, angular_frequency, phase, direction } = wind;
+            let _ = write!(
+                text,
+                "[[environment.wind]]\nlaw = \"particle-force\"\namplitude = {amplitude:?}\n\
+                 angular_frequency = {angular_frequency:?}\nphase = {phase:?}\ndirection = {direction:?}\n",
+            );
+        }
+        for (index, cloth) in self.cloths.iter().enumerate() {
+            cloth.add_text(index, &mut text);
+        }
+        text
+    }
+
+    /// The scene that the library reads.
+    pub(crate) fn scene(&self) -> Scene {
+        let text = self.text();
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render("test", &text)))
+    }
+
+    /// The scene at time zero on one thread.
+    pub(crate) fn simulation(&self) -> Simulation {
+        simulation(&self.scene(), Workers::single())
+    }
+}
+
+impl ClothNumbers {
+    fn add_text(&self, index: usize, text: &mut String) {
+        let Self { columns, rows, width, height, origin, width_axis, height_axis, mass, drag, .. } = self;
+        let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
+        let [structural, shear, bend] = self.stiffnesses;
+        let pins: Vec<String> =
+            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row} }}")).collect();
+        let _ = write!(
+            text,
+            "[fabric.fabric{index}]\nkind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
+             force_direction = \"{direction}\"\n\
+             structural = {{ stiffness = {structural:?}, law = \"linear\" }}\n\
+             shear = {{ stiffness = {shear:?}, law = \"linear\" }}\n\
+             bend = {{ stiffness = {bend:?}, law = \"linear\" }}\n\
+             [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
+             grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
+             place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\
+             pins = [{}]\n",
+            pins.join(", "),
+        );
+    }
+}
+
+/// Workers of so many threads.
+pub(crate) fn workers(threads: usize) -> Workers {
+    let threads = std::num::NonZeroUsize::new(threads).unwrap_or(std::num::NonZeroUsize::MIN);
+    Workers::new(threads).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// `scene` at time zero on `workers`.
+pub(crate) fn simulation(scene: &Scene, workers: Workers) -> Simulation {
+    Simulation::new(scene, Simulation::integrator(scene, workers)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Moves `simulation` to its end, shown to `observer` from the first frame on.
+pub(crate) fn finish(simulation: &mut Simulation, observer: &mut dyn Observer) {
+    simulation.observe(&mut [&mut *observer]);
+    while !simulation.is_finished() {
+        simulation.advance(&mut [&mut *observer]).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// The model of `numbers` and its state at time zero, to be moved by a method directly.
+pub(crate) fn model_and_state(numbers: &SceneNumbers) -> (Model, State) {
+    let scene = numbers.scene();
+    let model = Model::new(&scene);
+    let state = model.initial_state(&scene);
+    (model, state)
+}
+
+/// The hash that the last frame of the scene called `name` must have; `found` goes into the message if there is none.
+pub(crate) fn assert_golden(name: &str, found: StateHash) {
+    let hashes = include_str!("../golden/hashes.txt").lines().filter_map(|line| line.split_once(' '));
+    match hashes.into_iter().find(|(listed, _)| *listed == name) {
+        Some((_, expected)) => assert_eq!(found.to_string(), expected, "last frame of `{name}`"),
+        None => panic!("no golden hash for `{name}`; if the motion is right, add the line\n{name} {found}"),
+    }
+}
+
+/// Hands every step's state to a function.
+pub(crate) struct EachStep<F>(pub(crate) F);
+
+impl<F: FnMut(&Model, &State) + Send> Observer for EachStep<F> {
+    fn step(&mut self, model: &Model, state: &State) {
+        (self.0)(model, state);
+    }
+}
+
+/// Moves `numbers` to its end and hands every step's state, counted from 1, to `visit`.
+pub(crate) fn for_each_step(numbers: &SceneNumbers, mut visit: impl FnMut(u32, &State) + Send) {
+    let mut count = 0;
+    let mut observer = EachStep(|_: &Model, state: &State| {
+        count += 1;
+        visit(count, state);
+    });
+    finish(&mut numbers.simulation(), &mut observer);
+}
+
+/// The largest distance [m] of a point from the one of the same number.
+pub(crate) fn max_distance(a: &Points, b: &Points) -> f64 {
+    assert_eq!(a.len(), b.len(), "as many points");
+    // Not `f64::max`, which would pass over NaN.
+    a.iter().zip(b.iter()).map(|(a, b)| a.distance(b)).fold(
+        0.0,
+        |max, distance| {
+            if distance <= max { max } else { distance }
+        },
+    )
+}
+
+/// Numbers that look random and are the same for the same seed: xorshift (Marsaglia 2003).
+pub(crate) struct Random(u64);
+
+impl Random {
+    /// The sequence of `seed`.
+    pub(crate) fn new(seed: u64) -> Self {
+        // Xorshift starts from anything but zero; small seeds must not give alike sequences.
+        let mut random = Self((seed ^ 0x9e37_79b9_7f4a_7c15).max(1));
+        (0..16).for_each(|_| {
+            random.next();
+        });
+        random
+    }
+
+    /// The next number from -1 to 1.
+    pub(crate) fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// The next number from `least` to `most`.
+    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
+        least + 0.5 * (most - least) * (1.0 + self.next())
+    }
+
+    /// The next whole number below `limit`.
+    pub(crate) fn below(&mut self, limit: u32) -> u32 {
+        self.between(0.0, f64::from(limit)) as u32 % limit
+    }
+
+    /// The next vector with coordinates from -`size` to `size`.
+    pub(crate) fn vector(&mut self, size: f64) -> [f64; 3] {
+        std::array::from_fn(|_| size * self.next())
+    }
+
+    /// The next `count` points with coordinates from -`size` to `size`.
+    pub(crate) fn points(&mut self, count: usize, size: f64) -> Points {
+        (0..count).map(|_| glam::DVec3::from_array(self.vector(size))).collect()
+    }
+}

@@ -1,0 +1,71 @@
+//! Scenes with random numbers.
+
+use proptest::prelude::*;
+
+use super::{ClothNumbers, Random, SceneNumbers, WindNumbers};
+
+/// Half a second of one cloth: any grid up to 8 x 8, any place, pins, wind, gravity, start and force direction.
+///
+/// The time scales are those of cloth: structural springs of 10 to 300 rad/s alone, drag of up to 20/s. The step is 0.4
+/// of what is stable for the flat cloth, which leaves room for as-printed springs to stiffen.
+pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
+    (1..=8_usize, 1..=8_usize, any::<u64>()).prop_map(|(columns, rows, seed)| {
+        let mut random = Random::new(seed);
+        let mut cloth = random_cloth(columns, rows, &mut random);
+        let winds = (0..random.below(3)).map(|_| random_wind(cloth.mass, &mut random)).collect();
+        if random.below(3) == 0 {
+            cloth.drag = 0.0;
+        }
+        // Gershgorin: ω² ≤ 2/m Σ k over the twelve springs of a particle.
+        let stiffness: f64 = cloth.stiffnesses.iter().map(|stiffness| 4.0 * stiffness).sum();
+        let stable = 2.0 / (2.0 * stiffness / cloth.mass).sqrt();
+        let frame_rate = 20.0;
+        SceneNumbers {
+            frame_intervals: 10,
+            frame_rate,
+            steps_per_frame: (1.0 / (frame_rate * 0.4 * stable)).ceil() as u32,
+            as_printed_start: random.below(2) == 0,
+            allow_unstable: true,
+            gravity: if random.below(4) == 0 { [0.0; 3] } else { random.vector(10.0) },
+            winds,
+            cloths: vec![cloth],
+        }
+    })
+}
+
+fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumbers {
+    let mass = 10.0_f64.powf(-2.0 + 1.5 * random.next());
+    let frequency = 10.0_f64.powf(1.7 + 0.7 * random.next());
+    let structural = mass * frequency * frequency;
+    let mut share = || if random.below(4) == 0 { 0.0 } else { random.between(0.01, 1.0) };
+    let stiffnesses = [structural, structural * share(), structural * share()];
+    let u = glam::DVec3::from_array(random.vector(1.0)).normalize_or(glam::DVec3::X);
+    let v = u.cross(glam::DVec3::from_array(random.vector(1.0))).normalize_or(u.any_orthonormal_vector());
+    let mut pins = Vec::new();
+    for column in 0..columns {
+        pins.extend((0..rows).filter(|_| random.below(12) == 0).map(|row| (column, row)));
+    }
+    ClothNumbers {
+        columns,
+        rows,
+        width: random.between(0.2, 2.0),
+        height: random.between(0.2, 2.0),
+        origin: random.vector(1.0),
+        width_axis: (u * random.between(0.1, 3.0)).to_array(),
+        height_axis: (v * random.between(0.1, 3.0)).to_array(),
+        pins,
+        mass,
+        drag: mass * random.between(0.0, 20.0),
+        rest_length_direction: random.below(2) == 0,
+        stiffnesses,
+    }
+}
+
+fn random_wind(mass: f64, random: &mut Random) -> WindNumbers {
+    WindNumbers {
+        amplitude: mass * random.between(0.0, 10.0),
+        angular_frequency: random.between(0.0, 20.0),
+        phase: random.between(-3.0, 3.0),
+        direction: random.vector(1.0),
+    }
+}

@@ -1,0 +1,199 @@
+//! Measured order of convergence against the stated one.
+//!
+//! ```text
+//! order = log₂(error(h) / error(h / 2))
+//! ```
+//!
+//! An error is the maximum over a run: at times at which leading terms cancel, a first-order method can seem of third.
+
+use muslin::integrate::{CentralDifference, Integrator, Workers};
+use muslin::{Points, State};
+
+use crate::common::{
+    ClothNumbers, Random, SceneNumbers, WindNumbers, for_each_step, max_distance, model_and_state,
+};
+
+const MASS: f64 = 0.2;
+const STIFFNESS: f64 = 5.0;
+
+/// A mass on a spring along x, free of gravity: x = 1 m + u, ü = −ω² u − 2 γ u̇.
+fn oscillator(drag: f64, steps_per_frame: u32, as_printed_start: bool) -> SceneNumbers {
+    SceneNumbers {
+        frame_intervals: 1,
+        frame_rate: 0.5,
+        steps_per_frame,
+        as_printed_start,
+        // What holds the mass away from the rest of the spring: u₀ = −g / ω² is where it starts.
+        gravity: [2.5, 0.0, 0.0],
+        cloths: vec![ClothNumbers {
+            columns: 2,
+            rows: 1,
+            width: 1.0,
+            origin: [0.0; 3],
+            pins: vec![(0, 0)],
+            mass: MASS,
+            drag,
+            stiffnesses: [STIFFNESS, 0.0, 0.0],
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// u(t) [m] of the differential equation, from rest at u₀ = −0.1 m about the equilibrium at 1.1 m.
+fn exact_position(time: f64, drag: f64) -> f64 {
+    let gamma = drag / (2.0 * MASS);
+    let omega = (STIFFNESS / MASS - gamma * gamma).sqrt();
+    let (sine, cosine) = (omega * time).sin_cos();
+    1.1 - 0.1 * (-gamma * time).exp() * (cosine + gamma / omega * sine)
+}
+
+fn oscillator_error(drag: f64, steps_per_frame: u32, as_printed_start: bool) -> f64 {
+    let numbers = oscillator(drag, steps_per_frame, as_printed_start);
+    let mut error = 0.0_f64;
+    for_each_step(&numbers, |_, state| {
+        error = error.max((state.positions.x[1] - exact_position(state.time, drag)).abs());
+    });
+    error
+}
+
+/// Orders between neighbours of a sequence of errors of halved steps.
+fn orders(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+/// Within `tolerance` for every halving, and falling errors: an order of round-off would be none.
+fn assert_order(errors: &[f64], order: f64, tolerance: f64) {
+    let found = orders(errors);
+    assert!(found.iter().all(|found| (found - order).abs() < tolerance), "{found:?} from {errors:?}");
+}
+
+/// The next term of the error is of relative size (ω h)² and puts the order off by about as much: 0.0025 at 200 steps.
+#[test]
+fn consistent_start_is_of_second_order() {
+    for drag in [0.0, 0.3] {
+        let errors = [200, 400, 800, 1600].map(|steps| oscillator_error(drag, steps, false));
+        assert_order(&errors, 2.0, 0.02);
+    }
+}
+
+/// The second-order error of the method is ω h T / 12 of the first-order one of the start and puts the order off by as
+/// much: 0.04 at 200 steps.
+#[test]
+fn as_printed_start_is_of_first_order() {
+    for drag in [0.0, 0.3] {
+        let errors = [400, 800, 1600, 3200].map(|steps| oscillator_error(drag, steps, true));
+        assert_order(&errors, 1.0, 0.05);
+    }
+}
+
+/// A cloth has no closed form: differences between runs of h, h/2, h/4, … fall like the errors (Richardson).
+fn cloth_orders(as_printed_start: bool) -> Vec<f64> {
+    let run = |steps_per_frame: u32| {
+        let numbers = SceneNumbers {
+            frame_intervals: 10,
+            frame_rate: 20.0,
+            steps_per_frame,
+            as_printed_start,
+            winds: vec![WindNumbers {
+                amplitude: 0.01,
+                angular_frequency: 8.0,
+                phase: 0.5,
+                direction: [0.3, 0.1, 1.0],
+            }],
+            cloths: vec![ClothNumbers {
+                columns: 6,
+                rows: 5,
+                pins: vec![(0, 0), (5, 0)],
+                ..ClothNumbers::default()
+            }],
+            ..SceneNumbers::default()
+        };
+        let mut frames = Vec::new();
+        for_each_step(&numbers, |n, state| {
+            if n % steps_per_frame == 0 {
+                frames.push(state.positions.clone());
+            }
+        });
+        frames
+    };
+    let runs: Vec<Vec<Points>> = [50, 100, 200, 400, 800].map(run).into();
+    let differences: Vec<f64> = runs
+        .windows(2)
+        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| max_distance(a, b)).fold(0.0, f64::max))
+        .collect();
+    orders(&differences)
+}
+
+#[test]
+fn cloth_is_of_second_order() {
+    let orders = cloth_orders(false);
+    assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.02), "{orders:?}");
+}
+
+#[test]
+fn cloth_as_printed_is_of_first_order() {
+    let orders = cloth_orders(true);
+    assert!(orders.iter().all(|order| (order - 1.0).abs() < 0.05), "{orders:?}");
+}
+
+/// The largest error [m] over two seconds in steps of the sizes of `pattern`, relative to each other.
+fn varied_error(drag: f64, pattern: &[f64]) -> f64 {
+    let (model, mut state) = model_and_state(&oscillator(drag, 200, false));
+    let mut method = CentralDifference::new(Workers::single());
+    let sum: f64 = pattern.iter().sum();
+    let mut error = 0.0_f64;
+    for size in pattern {
+        method.step(&model, &mut state, 2.0 * size / sum).unwrap_or_else(|error| panic!("{error}"));
+        error = error.max((state.positions.x[1] - exact_position(state.time, drag)).abs());
+    }
+    error
+}
+
+/// Each step is a symmetric map of position and velocity, so the order is two for any sequence of steps. Using three
+/// positions, as equation (5) does, an alternating step does not converge at all.
+#[test]
+fn alternating_steps_are_of_second_order() {
+    for drag in [0.0, 0.3] {
+        let errors = [200, 400, 800, 1600].map(|count| {
+            let pattern: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 3.0 } else { 1.0 }).collect();
+            varied_error(drag, &pattern)
+        });
+        assert_order(&errors, 2.0, 0.05);
+    }
+}
+
+/// Steps that differ by up to four, drawn anew for each resolution. The error of one sequence varies by some per cent, the
+/// mean over eight by a third of that, so that an order over four halvings is known to about 0.01.
+#[test]
+fn random_steps_are_of_second_order() {
+    for drag in [0.0, 0.3] {
+        let [coarse, fine] = [400_u32, 6400].map(|count| {
+            let mut random = Random::new(u64::from(count));
+            let mut draw =
+                || varied_error(drag, &Vec::from_iter((0..count).map(|_| random.between(1.0, 4.0))));
+            (0..8).map(|_| draw()).sum::<f64>()
+        });
+        let order = (coarse / fine).log2() / 4.0;
+        assert!((order - 2.0).abs() < 0.05, "{order} from {coarse:e} and {fine:e}");
+    }
+}
+
+/// A changing step leaves a steady motion alone: the velocity does not jump with it.
+#[test]
+fn changing_steps_keep_a_free_velocity() {
+    let mut numbers = oscillator(0.0, 200, false);
+    numbers.gravity = [0.0; 3];
+    numbers.cloths[0].pins.clear();
+    let (model, mut state) = model_and_state(&numbers);
+    let start: State = state.clone();
+    state.velocities.y.fill(2.0);
+    let mut method = CentralDifference::new(Workers::single());
+    for step in [0.01, 0.04, 0.0025, 0.03, 0.01] {
+        method.step(&model, &mut state, step).unwrap();
+        for (y, y0) in state.positions.y.iter().zip(&start.positions.y) {
+            // A rounding of each of the five steps.
+            assert!((y - y0 - 2.0 * state.time).abs() < 5.0 * f64::EPSILON, "{y} m after {} s", state.time);
+        }
+    }
+}
