@@ -93,7 +93,9 @@ async function checkWorking() {
 
   if (0 < duration) {
     await page.locator("#play").click();
-    await page.waitForTimeout(Math.min(400, 300 * duration));
+    // However slow the drawing, time goes on.
+    const reached = (least) => Number(document.getElementById("time").textContent) >= least;
+    await page.waitForFunction(reached, duration / 10, { timeout: 60_000 });
     await page.keyboard.press("Space");
     const moved = await difference(first, await view(page));
     check(0 < (await time(page)), `playing moves the clock (to ${await time(page)} s)`);

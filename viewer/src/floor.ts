@@ -76,7 +76,7 @@ export class Floor {
   /** Colours for light or dark surroundings. */
   setTheme(line: string, shadowOpacity: number): void {
     this.#grid.uniforms.colour.value.set(line);
-    this.#shadow.color.set("#20160c");
+    this.#shadow.color.set("#120f0b");
     this.#shadow.opacity = shadowOpacity;
   }
 }

@@ -53,13 +53,12 @@ function connectTransport(run: RunDescription, player: Player): void {
   speed.addEventListener("change", () => {
     player.speed = Number(speed.value);
   });
-  const every = run.frameStride === 1 ? "" : `, every ${ordinal(run.frameStride)}`;
   player.onChange(() => {
     const frame = Math.min(Math.floor(player.time * run.frameRate + 1e-6), run.frameCount - 1);
     scrub.value = String(player.time);
     scrub.style.setProperty("--done", String(duration === 0 ? 0 : player.time / duration));
     element("time").textContent = player.time.toFixed(digits);
-    element("frame").textContent = `frame ${frame} of ${run.frameCount - 1}${every}`;
+    element("frame").textContent = `frame ${frame} of ${run.frameCount - 1}`;
     play.classList.toggle("playing", player.playing);
     play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
   });
@@ -128,7 +127,9 @@ function connectStage(motion: Motion, player: Player): Stage {
   const scale = strainScale(motion);
   stage.cloth.strainLimit = scale.limit;
   showLegend(element("legend"), scale);
-  element("grid-note").textContent = `grid ${length(stage.gridSpacing)}`;
+  const { frameStride } = motion.run;
+  const every = frameStride === 1 ? "" : `every ${ordinal(frameStride)} frame, `;
+  element("grid-note").textContent = `${every}grid ${length(stage.gridSpacing)}`;
   const switchable = (id: string, get: () => boolean, set: (on: boolean) => void) => {
     const button = element(id);
     button.setAttribute("aria-pressed", String(get()));

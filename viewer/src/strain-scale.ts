@@ -39,7 +39,7 @@ export function showLegend(legend: HTMLElement, { limit, below, above }: StrainS
   const marks = [-1, -0.5, 0, 0.5, 1].map((share) => {
     const text = `${0 < share ? "+" : ""}${number(100 * share * limit)}`;
     const beyond = share === -1 && below ? "≤ " : share === 1 && above ? "≥ " : "";
-    const mark = Object.assign(document.createElement("li"), { textContent: `${beyond}${text} %` });
+    const mark = Object.assign(document.createElement("li"), { textContent: `${beyond}${text}` });
     mark.style.setProperty("--at", `${50 + 50 * share}%`);
     return mark;
   });

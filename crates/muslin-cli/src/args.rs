@@ -43,7 +43,7 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Go on with the interrupted run in the folder
     #[arg(long, conflicts_with = "force")]
@@ -70,6 +70,14 @@ pub(crate) struct VerifyArguments {
     /// Folder that a run wrote
     pub(crate) dir: PathBuf,
     /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+/// More threads than any machine has cores cost time and gain nothing.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
+    let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
+    threads.ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
 }

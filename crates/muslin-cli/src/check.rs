@@ -23,16 +23,22 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<(), CliError> {
     let SceneFile { scene, .. } = SceneFile::read(&arguments.scene, &arguments.assignments)?;
     let model = Model::new(&scene);
     let state = model.initial_state(&scene);
-    let _ = write_check(&mut stdout().lock(), &scene, &model, &state);
-    // The run's own check has the last word on the step.
     let integrator = timed_integrator(&scene, None, &SteppingTime::default())?;
+    let _ = write_check(&mut stdout().lock(), &scene, &model, &state, integrator.workers());
+    // The run's own check has the last word on the step.
     Simulation::new(&scene, integrator).map_err(|error| unstable(&error))?;
     let cost = measured_step_cost(&scene, &model, state)?;
     let _ = write_cost(&mut stdout().lock(), &scene, &model, cost);
     Ok(())
 }
 
-fn write_check(out: &mut impl Write, scene: &Scene, model: &Model, state: &State) -> io::Result<()> {
+fn write_check(
+    out: &mut impl Write,
+    scene: &Scene,
+    model: &Model,
+    state: &State,
+    workers: &Workers,
+) -> io::Result<()> {
     let particles = model.particles();
     writeln!(out, "{}", scene.title())?;
     for cloth in model.cloths() {
@@ -56,7 +62,7 @@ fn write_check(out: &mut impl Write, scene: &Scene, model: &Model, state: &State
     let steps = steps_per_frame * settings.frame_intervals;
     let step = 1.0 / (settings.frame_rate * steps_per_frame as f64);
     writeln!(out, "  step                 {} ({step:.12e} s), {steps} of them", duration_text(step))?;
-    let largest = largest_stable_step(model, state, &Workers::single());
+    let largest = largest_stable_step(model, state, workers);
     if largest.is_finite() {
         let guaranteed = guaranteed_stable_step(model, state);
         let suggestion = suggested_step(settings.frame_rate, largest);

@@ -207,7 +207,8 @@ fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::R
         name: name.replace('_', " "),
         values: frames.iter().map(|frame| frame.energies.values()[index]).collect(),
     });
-    let strains = strain_series(frames).into_iter();
+    // The smallest strains would crowd the plot; series.csv has them.
+    let strains = strain_series(frames).into_iter().filter(|(name, _)| !name.ends_with("_min"));
     ViewInfo {
         title: scene.title().to_owned(),
         frame_rate: settings.frame_rate,

@@ -8,6 +8,7 @@ mod check;
 mod error;
 mod files;
 mod frame_store;
+mod memory;
 mod new;
 mod output;
 mod progress;

@@ -1,6 +1,6 @@
 //! The folder that a run writes.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,9 @@ use crate::frame_store::{Checkpoint, write_whole};
 
 /// Name of the folder inside the output folder that holds a run in progress.
 const PARTIAL: &str = ".partial";
+
+/// Name of the file inside it that the process at work holds locked.
+const LOCK: &str = "lock";
 
 /// Name of the file that tells of the run and of all other files.
 pub(crate) const SUMMARY: &str = "summary.json";
@@ -29,28 +32,31 @@ pub(crate) enum Existing {
 pub(crate) struct OutputFolder {
     path: PathBuf,
     hashes: Map<String, Value>,
+    /// Locked until this process ends, so that no other works on the same run.
+    lock: Option<File>,
 }
 
 impl OutputFolder {
     /// The folder at `path`, made if need be, for a new run.
     pub(crate) fn create(path: &Path, existing: Existing) -> Result<Self, CliError> {
-        let folder = Self { path: path.to_owned(), hashes: Map::new() };
+        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), lock: None };
         if path.exists() && !path.is_dir() {
             return Err(CliError::input(
                 format_args!("{} is a file, but must be a folder or not exist", path.display()),
                 "choose another name with `--out DIR`",
             ));
         }
-        if existing == Existing::Keep && folder.partial().exists() {
+        folder.lock()?;
+        // What has no checkpoint, because the run ended before its first, is worth nothing.
+        if existing == Existing::Keep && Checkpoint::exists(&folder.partial()) {
             return Err(CliError::input(
                 format_args!("{} holds an unfinished run", path.display()),
                 "go on with it by `--resume`, start again with `--force`, or choose another folder with `--out DIR`",
             ));
         }
-        let is_empty = || fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
-        if existing == Existing::Keep && !is_empty() {
+        if existing == Existing::Keep && folder.has_files() {
             return Err(CliError::input(
-                format_args!("{} exists already", path.display()),
+                format_args!("{} exists already and is not empty", path.display()),
                 "replace its files with `--force`, or choose another folder with `--out DIR`",
             ));
         }
@@ -66,18 +72,38 @@ impl OutputFolder {
                 "choose a folder that you may write to with `--out DIR`",
             )
         })?;
+        folder.lock()?;
         Ok(folder)
     }
 
     /// The folder at `path` with the checkpoint of its unfinished run.
     pub(crate) fn resume(path: &Path, scene_hash: &str) -> Result<(Self, Checkpoint), CliError> {
-        let folder = Self { path: path.to_owned(), hashes: Map::new() };
+        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), lock: None };
+        folder.lock()?;
         let Some(checkpoint) = Checkpoint::read(&folder.partial())? else {
-            return Err(CliError::input(
-                format_args!("there is no unfinished run in {}", path.display()),
-                "leave out `--resume` to start one",
-            ));
+            return Err(if path.join(SUMMARY).exists() {
+                CliError::input(
+                    format_args!("the run in {} has ended, there is nothing to resume", path.display()),
+                    "run it again with `--force`, or into another folder with `--out DIR`",
+                )
+            } else {
+                CliError::input(
+                    format_args!("there is no unfinished run in {}", path.display()),
+                    "name its folder with `--out DIR`, or leave out `--resume` to start one",
+                )
+            });
         };
+        if checkpoint.muslin != env!("CARGO_PKG_VERSION") {
+            return Err(CliError::input(
+                format_args!(
+                    "the unfinished run in {} is of muslin {}, but this is {}, which may compute other bits",
+                    path.display(),
+                    checkpoint.muslin,
+                    env!("CARGO_PKG_VERSION")
+                ),
+                "go on with that version, or start again with `--force`",
+            ));
+        }
         if checkpoint.scene_hash != scene_hash {
             return Err(CliError::input(
                 format_args!("the unfinished run in {} is of another scene", path.display()),
@@ -85,6 +111,27 @@ impl OutputFolder {
             ));
         }
         Ok((folder, checkpoint))
+    }
+
+    /// Makes sure that no other process works on the run in progress, if there is one.
+    fn lock(&mut self) -> Result<(), CliError> {
+        let path = self.partial().join(LOCK);
+        // Where nothing can be opened or locked, whatever comes next says why, or works without a lock.
+        let Ok(lock) = File::options().create(true).append(true).open(path) else { return Ok(()) };
+        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(CliError::input(
+                format_args!("another muslin is at work in {}", self.path.display()),
+                "wait until it ends or stop it, or choose another folder with `--out DIR`",
+            ));
+        }
+        self.lock = Some(lock);
+        Ok(())
+    }
+
+    /// Whether the folder holds anything but a run in progress.
+    fn has_files(&self) -> bool {
+        let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
+        entries.into_iter().any(|entry| entry.file_name() != PARTIAL)
     }
 
     /// Where the run in progress is kept.

@@ -1,6 +1,7 @@
 //! Telling how far a run is: a bar on a terminal, plain lines elsewhere.
 
 use std::io::{IsTerminal, Write, stderr};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -18,7 +19,8 @@ const LINE_INTERVAL: Duration = Duration::from_secs(2);
 const BAR_PARTS: u64 = 1000;
 
 /// Watches a run and says how far it is.
-pub(crate) struct Progress {
+pub(crate) struct Progress<'a> {
+    interrupted: &'a AtomicBool,
     duration: f64,
     bar: Option<ProgressBar>,
     start: Instant,
@@ -26,9 +28,9 @@ pub(crate) struct Progress {
     next_update: Instant,
 }
 
-impl Progress {
-    /// For a run of `settings` that goes on from `start_time` [s].
-    pub(crate) fn new(settings: &RunSettings, start_time: f64) -> Self {
+impl<'a> Progress<'a> {
+    /// For a run of `settings` that goes on from `start_time` [s] until `interrupted`.
+    pub(crate) fn new(settings: &RunSettings, start_time: f64, interrupted: &'a AtomicBool) -> Self {
         let bar = stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(BAR_PARTS), ProgressDrawTarget::stderr());
             if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
@@ -38,7 +40,7 @@ impl Progress {
         });
         let start = Instant::now();
         let next_update = start + if bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
-        Self { duration: settings.duration, bar, start, start_time, next_update }
+        Self { interrupted, duration: settings.duration, bar, start, start_time, next_update }
     }
 
     /// Removes the bar.
@@ -50,6 +52,9 @@ impl Progress {
 
     /// Simulated time, step size, speed against real time and time left.
     fn message(&self, state: &State, now: Instant) -> String {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return "stopping after this frame; Ctrl-C again stops at once".to_owned();
+        }
         let elapsed = (now - self.start).as_secs_f64();
         let speed = (state.time - self.start_time) / elapsed;
         let left = (self.duration - state.time) / speed;
@@ -64,7 +69,7 @@ impl Progress {
     }
 }
 
-impl Observer for Progress {
+impl Observer for Progress<'_> {
     fn step(&mut self, _model: &Model, state: &State) {
         let now = Instant::now();
         if now < self.next_update {

@@ -32,7 +32,7 @@ pub(crate) fn report(
             ));
         }
         Ending::Failed(error) => {
-            let step = run.recorder.steps().largest.unwrap_or_default();
+            let step = run.simulation.frame().state.last_step;
             return Err(CliError::failed(
                 format_args!("{error}; {path} holds the frames before it"),
                 format_args!(
@@ -43,7 +43,7 @@ pub(crate) fn report(
             ));
         }
     }
-    let violated: Vec<_> = outcomes.iter().filter(|outcome| !outcome.met).map(outcome_text).collect();
+    let violated: Vec<_> = outcomes.iter().filter(|outcome| !outcome.met).map(violation_text).collect();
     if violated.is_empty() {
         return Ok(());
     }
@@ -83,6 +83,11 @@ fn write_report(out: &mut impl Write, run: &Run<'_>, outcomes: &[ExpectOutcome])
         writeln!(out, "  hash of the last state     {}", last.hash)?;
     }
     writeln!(out, "look at it: muslin view {path}, or open {path}/view.html")
+}
+
+/// With all digits of the value, which may be just outside its range.
+fn violation_text(outcome: &ExpectOutcome) -> String {
+    format!("`{}` is {:?}, expected {}", outcome.quantity.name(), outcome.value, range_text(outcome.range))
 }
 
 fn outcome_text(outcome: &ExpectOutcome) -> String {

@@ -22,8 +22,11 @@ use crate::scene_file::SceneFile;
 use crate::summary::Ending;
 use crate::timing::{SteppingTime, TimedIntegrator};
 
-/// Wall time between two checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(20);
+/// Wall time between two checkpoints at least; so much work may be lost when the process is killed.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Wall time between two checkpoints at least, as a multiple of what the last one took: they must cost next to nothing.
+const CHECKPOINT_COSTS: u32 = 50;
 
 /// Particles from which on a second thread pays.
 const PARTICLES_PER_THREAD: usize = 16_384;
@@ -35,13 +38,13 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
     let path = arguments.out.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let time = SteppingTime::default();
     let integrator = timed_integrator(&file.scene, arguments.threads, &time)?;
+    let interrupted = interruption()?;
     let mut run = if arguments.resume {
         Run::resume(&file.scene, &path, &scene_hash, integrator, time)?
     } else {
         let existing = if arguments.force { Existing::Replace } else { Existing::Keep };
         Run::start(&file.scene, &path, existing, scene_hash, integrator, time)?
     };
-    let interrupted = interruption()?;
     let ending = run.go_on(&interrupted)?;
     let outcomes = write_files(&mut run, &file, &ending)?;
     report(&mut stdout().lock(), &run, &ending, &outcomes)
@@ -127,7 +130,7 @@ impl<'a> Run<'a> {
 
     /// Steps until the last frame, an interruption or a failed step. All frames before that are then in the store.
     fn go_on(&mut self, interrupted: &AtomicBool) -> Result<Ending, CliError> {
-        let mut progress = Progress::new(self.scene.run(), self.simulation.frame().state.time);
+        let mut progress = Progress::new(self.scene.run(), self.simulation.frame().state.time, interrupted);
         let ending = self.step_to_end(interrupted, &mut progress);
         progress.finish();
         let ending = ending?;
@@ -139,7 +142,11 @@ impl<'a> Run<'a> {
         Ok(ending)
     }
 
-    fn step_to_end(&mut self, interrupted: &AtomicBool, progress: &mut Progress) -> Result<Ending, CliError> {
+    fn step_to_end(
+        &mut self,
+        interrupted: &AtomicBool,
+        progress: &mut Progress<'_>,
+    ) -> Result<Ending, CliError> {
         let mut next_checkpoint = Instant::now() + CHECKPOINT_INTERVAL;
         while !self.simulation.is_finished() {
             if interrupted.load(Ordering::Relaxed) {
@@ -149,9 +156,11 @@ impl<'a> Run<'a> {
                 return Ok(Ending::Failed(failure(self.simulation.model(), &error)));
             }
             self.store.push(&self.simulation.frame())?;
-            if next_checkpoint <= Instant::now() {
+            let start = Instant::now();
+            if next_checkpoint <= start {
                 self.save_checkpoint()?;
-                next_checkpoint = Instant::now() + CHECKPOINT_INTERVAL;
+                let cost = start.elapsed();
+                next_checkpoint = start + CHECKPOINT_INTERVAL.max(CHECKPOINT_COSTS * cost);
             }
         }
         Ok(Ending::Complete)

@@ -8,6 +8,7 @@ use muslin::Scene;
 use muslin::scene::{MAX_SCENE_BYTES, set_value};
 
 use crate::error::CliError;
+use crate::memory::require_memory;
 
 /// A scene and the text that it was read from, after the changes of the command line.
 pub(crate) struct SceneFile {
@@ -16,7 +17,7 @@ pub(crate) struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the scene at `path` and makes the changes `assignments` (`key=value`).
+    /// Reads the scene at `path` and makes the changes `assignments` (`key=value`). It fits this machine's memory.
     pub(crate) fn read(path: &Path, assignments: &[String]) -> Result<Self, CliError> {
         let mut text = read_text(path)?;
         for assignment in assignments {
@@ -29,6 +30,7 @@ impl SceneFile {
             name.push_str(" (with --set)");
         }
         let scene = Scene::parse(&text).map_err(|error| CliError::BadInput(error.render(&name, &text)))?;
+        require_memory(&scene)?;
         Ok(Self { scene, text })
     }
 }

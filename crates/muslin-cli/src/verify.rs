@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{BufReader, Write, stdout};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use muslin::observe::StateHash;
 use muslin::write::{FrameSource, MotionSource, TrajectoryReader};
@@ -12,6 +13,7 @@ use serde_json::Value;
 use crate::args::VerifyArguments;
 use crate::error::CliError;
 use crate::output::{SUMMARY, file_hash, text_hash};
+use crate::progress::Progress;
 use crate::run::{timed_integrator, unstable};
 use crate::timing::SteppingTime;
 
@@ -22,6 +24,7 @@ struct Recorded {
     version: String,
     scene_hash: String,
     frame_hashes: Vec<String>,
+    final_state_hash: String,
     files: Vec<(String, String)>,
 }
 
@@ -31,14 +34,18 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
     let recorded = Recorded::read(dir)?;
     let text = read_scene(dir)?;
     let mut faults = recorded.file_faults(dir);
-    if text_hash(&text) != recorded.scene_hash {
-        faults.push("scene.toml is not the scene of this run".to_owned());
-    }
     faults.extend(trajectory_fault(dir, &recorded.frame_hashes));
-    let scene = Scene::parse(&text).map_err(|error| {
-        CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text))
-    })?;
-    faults.extend(rerun_fault(&scene, &recorded, arguments)?);
+    if recorded.frame_hashes.last() != Some(&recorded.final_state_hash) {
+        faults.push("summary.json: `final_state_hash` is not the last of `frame_hashes`".to_owned());
+    }
+    if text_hash(&text) == recorded.scene_hash {
+        let scene = Scene::parse(&text).map_err(|error| {
+            CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text))
+        })?;
+        faults.extend(rerun_fault(&scene, &recorded, arguments)?);
+    } else {
+        faults.push("scene.toml is not the scene of this run, so that it was not run again".to_owned());
+    }
     if faults.is_empty() {
         let frames = recorded.frame_hashes.len();
         let _ = writeln!(
@@ -71,6 +78,7 @@ impl Recorded {
         Ok(Self {
             version: text("muslin")?,
             scene_hash: text("scene_hash")?,
+            final_state_hash: text("final_state_hash")?,
             frame_hashes: hashes.iter().map(|hash| hash.as_str().unwrap_or_default().to_owned()).collect(),
             files: files
                 .iter()
@@ -133,6 +141,18 @@ fn rerun_fault(
 ) -> Result<Option<String>, CliError> {
     let integrator = timed_integrator(scene, arguments.threads, &SteppingTime::default())?;
     let mut simulation = Simulation::new(scene, integrator).map_err(|error| unstable(&error))?;
+    let never = AtomicBool::new(false);
+    let mut progress = Progress::new(scene.run(), 0.0, &never);
+    let fault = differing_frame(&mut simulation, recorded, &mut progress);
+    progress.finish();
+    Ok(fault)
+}
+
+fn differing_frame(
+    simulation: &mut Simulation,
+    recorded: &Recorded,
+    progress: &mut Progress<'_>,
+) -> Option<String> {
     for (frame, expected) in recorded.frame_hashes.iter().enumerate() {
         let current = simulation.frame();
         if StateHash::new(&current.state.positions, current.velocities).to_string() != *expected {
@@ -145,17 +165,17 @@ fn rerun_fault(
                     env!("CARGO_PKG_VERSION")
                 ));
             }
-            return Ok(Some(fault));
+            return Some(fault);
         }
         if frame + 1 == recorded.frame_hashes.len() {
             break;
         }
         if simulation.is_finished() {
-            return Ok(Some(format!("the scene ends at frame {frame}, but the summary has more")));
+            return Some(format!("the scene ends at frame {frame}, but the summary has more"));
         }
-        if let Err(error) = simulation.advance(&mut []) {
-            return Ok(Some(format!("computed again, {error}")));
+        if let Err(error) = simulation.advance(&mut [progress]) {
+            return Some(format!("computed again, {error}"));
         }
     }
-    Ok(None)
+    None
 }

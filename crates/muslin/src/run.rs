@@ -109,7 +109,8 @@ impl Simulation {
     /// Moves to the next frame and shows every step and the frame to `observers`.
     ///
     /// # Errors
-    /// If a step fails. The state is then that of the failed step.
+    /// If a step fails, or the velocities of the frame are no longer finite numbers. The state is then that of the failed
+    /// step, and no observer sees the frame.
     pub fn advance(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), StepError> {
         let workers = self.integrator.workers().clone();
         workers.install(|| {
@@ -124,8 +125,12 @@ impl Simulation {
                     observer.step(&self.model, &self.state);
                 }
             }
-            self.frame_index += 1;
             self.integrator.eval_velocities(&self.model, &self.state, &mut self.velocities);
+            // Forces overflow earlier than positions do; a frame must not show it.
+            if let Some(particle) = self.velocities.iter().position(|velocity| !velocity.is_finite()) {
+                return Err(StepError::NotFinite { particle, time: self.state.time });
+            }
+            self.frame_index += 1;
             self.observe(observers);
             Ok(())
         })

@@ -21,8 +21,8 @@ use crate::model::Surface;
 /// Vertices times frames that a page holds at most.
 ///
 /// Where a run has more, the page shows every n-th frame and the last, with the smallest n that fits, and says so. A
-/// vertex of a frame takes seven bytes before compression and about three as it is written, so a page of a smooth
-/// motion stays below some eight megabytes.
+/// vertex of a frame takes seven bytes before compression; as it is written, one to two in a smooth motion and at most
+/// nine and a half in one without any order. So a page stays below some four megabytes, or twenty at worst.
 pub const VIEW_VERTEX_FRAMES: usize = 1 << 21;
 
 /// What a page says of a run besides its frames.

@@ -1,14 +1,13 @@
 //! Scenes made of numbers, and observers, for the test binaries.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-mod random_scene;
+pub(crate) mod random_scene;
 
 use std::fmt::Write as _;
 
 use muslin::integrate::Workers;
-use muslin::observe::Observer;
+use muslin::observe::{Observer, StateHash};
 use muslin::{Model, Points, Scene, Simulation, State};
-pub(crate) use random_scene::random_scene;
 
 /// A scene as numbers, of which tests make the text that the library reads, and the motion that it must have.
 #[derive(Clone, Debug)]
@@ -156,6 +155,12 @@ impl ClothNumbers {
     }
 }
 
+/// Workers of so many threads.
+pub(crate) fn workers(threads: usize) -> Workers {
+    let threads = std::num::NonZeroUsize::new(threads).unwrap_or(std::num::NonZeroUsize::MIN);
+    Workers::new(threads).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// `scene` at time zero on `workers`.
 pub(crate) fn simulation(scene: &Scene, workers: Workers) -> Simulation {
     Simulation::new(scene, Simulation::integrator(scene, workers)).unwrap_or_else(|error| panic!("{error}"))
@@ -175,6 +180,15 @@ pub(crate) fn model_and_state(numbers: &SceneNumbers) -> (Model, State) {
     let model = Model::new(&scene);
     let state = model.initial_state(&scene);
     (model, state)
+}
+
+/// The hash that the last frame of the scene called `name` must have; `found` goes into the message if there is none.
+pub(crate) fn assert_golden(name: &str, found: StateHash) {
+    let hashes = include_str!("../golden/hashes.txt").lines().filter_map(|line| line.split_once(' '));
+    match hashes.into_iter().find(|(listed, _)| *listed == name) {
+        Some((_, expected)) => assert_eq!(found.to_string(), expected, "last frame of `{name}`"),
+        None => panic!("no golden hash for `{name}`; if the motion is right, add the line\n{name} {found}"),
+    }
 }
 
 /// Hands every step's state to a function.

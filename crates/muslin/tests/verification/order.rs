@@ -144,7 +144,7 @@ fn varied_error(drag: f64, pattern: &[f64]) -> f64 {
     let sum: f64 = pattern.iter().sum();
     let mut error = 0.0_f64;
     for size in pattern {
-        method.step(&model, &mut state, 2.0 * size / sum).unwrap();
+        method.step(&model, &mut state, 2.0 * size / sum).unwrap_or_else(|error| panic!("{error}"));
         error = error.max((state.positions.x[1] - exact_position(state.time, drag)).abs());
     }
     error

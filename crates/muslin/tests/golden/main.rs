@@ -1,0 +1,176 @@
+//! The same scene gives the same bits: in every build, on any number of threads, watched or not, resumed or not.
+//!
+//! `hashes.txt` holds the hash of the last frame of every scene here and of every file in the scenes folder. A change
+//! of the method changes them; then look at the motion first, and say in the changelog by how much it changed.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{ClothNumbers, SceneNumbers, WindNumbers, assert_golden, finish, simulation, workers};
+use muslin::integrate::Workers;
+use muslin::observe::{Recorder, StateHash};
+use muslin::{Scene, Simulation};
+
+/// The cloth of the paper's Fig. 3 for one second.
+fn hanging() -> SceneNumbers {
+    SceneNumbers { frame_intervals: 60, frame_rate: 60.0, ..SceneNumbers::default() }
+}
+
+/// Held along an edge, in two winds.
+fn flag() -> SceneNumbers {
+    let wind = |amplitude, angular_frequency, direction| WindNumbers {
+        amplitude,
+        angular_frequency,
+        phase: 0.6,
+        direction,
+    };
+    SceneNumbers {
+        frame_intervals: 60,
+        frame_rate: 60.0,
+        winds: vec![wind(0.02, 0.4, [1.0, 0.1, 0.2]), wind(0.01, 7.0, [0.0, 0.0, 1.0])],
+        cloths: vec![ClothNumbers {
+            columns: 13,
+            rows: 9,
+            width: 1.2,
+            height: 0.8,
+            height_axis: [0.0, 1.0, 0.0],
+            pins: (0..9).map(|row| (0, row)).collect(),
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// Free, with drag, started as printed.
+fn free_fall() -> SceneNumbers {
+    SceneNumbers {
+        as_printed_start: true,
+        cloths: vec![ClothNumbers { columns: 5, rows: 4, pins: vec![], ..ClothNumbers::default() }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// A thread, with forces divided by the rest length.
+fn pendulum() -> SceneNumbers {
+    SceneNumbers {
+        cloths: vec![ClothNumbers {
+            columns: 20,
+            rows: 1,
+            pins: vec![(0, 0)],
+            rest_length_direction: true,
+            stiffnesses: [200.0, 0.0, 1.0],
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// Two cloths; the first has several blocks for threads to share, the last of them shorter than the others.
+fn large() -> SceneNumbers {
+    let large = ClothNumbers {
+        columns: 150,
+        rows: 100,
+        width: 15.0,
+        height: 11.0,
+        pins: vec![(0, 0), (149, 0), (70, 50)],
+        ..ClothNumbers::default()
+    };
+    let small = ClothNumbers { pins: vec![(3, 4)], origin: [0.0, 2.0, 0.0], ..ClothNumbers::default() };
+    SceneNumbers {
+        frame_intervals: 3,
+        steps_per_frame: 10,
+        winds: flag().winds,
+        cloths: vec![large, small],
+        ..SceneNumbers::default()
+    }
+}
+
+fn last_hash(simulation: &Simulation) -> StateHash {
+    StateHash::new(&simulation.frame().state.positions, simulation.frame().velocities)
+}
+
+/// The hash of the last frame of an unobserved run.
+fn hash(scene: &Scene, workers: Workers) -> StateHash {
+    let mut simulation = simulation(scene, workers);
+    while !simulation.is_finished() {
+        simulation.advance(&mut []).unwrap_or_else(|error| panic!("{error}"));
+    }
+    last_hash(&simulation)
+}
+
+#[test]
+fn hanging_has_the_recorded_bits() {
+    assert_golden("inline-hanging", hash(&hanging().scene(), Workers::single()));
+}
+
+#[test]
+fn flag_has_the_recorded_bits() {
+    assert_golden("inline-flag", hash(&flag().scene(), Workers::single()));
+}
+
+#[test]
+fn free_fall_has_the_recorded_bits() {
+    assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
+}
+
+#[test]
+fn pendulum_has_the_recorded_bits() {
+    assert_golden("inline-pendulum", hash(&pendulum().scene(), Workers::single()));
+}
+
+#[test]
+fn bits_do_not_depend_on_threads() {
+    let scene = large().scene();
+    assert!(3 <= simulation(&scene, Workers::single()).model().blocks().len(), "blocks to share");
+    let mut recorders = [1, 2, 3].map(|threads| {
+        let mut recorder = Recorder::default();
+        finish(&mut simulation(&scene, workers(threads)), &mut recorder);
+        recorder
+    });
+    let [one, two, three] = &mut recorders;
+    assert_eq!(one.frames(), two.frames());
+    assert_eq!(one.frames(), three.frames());
+    assert_eq!(one.max_strains(), two.max_strains());
+    let last = one.frames().last().map(|frame| frame.hash);
+    assert_golden("inline-large", last.unwrap_or_else(|| panic!("no frames")));
+}
+
+#[test]
+fn bits_do_not_depend_on_observers() {
+    let scene = flag().scene();
+    let mut recorder = Recorder::default();
+    finish(&mut simulation(&scene, Workers::single()), &mut recorder);
+    let watched = recorder.frames().last().map(|frame| frame.hash);
+    assert_eq!(watched, Some(hash(&scene, Workers::single())));
+}
+
+/// Stopped at every tenth frame, state and record given to a new simulation each time.
+#[test]
+fn bits_do_not_depend_on_resuming() {
+    for numbers in [flag(), free_fall()] {
+        let scene = numbers.scene();
+        let mut whole = Recorder::default();
+        finish(&mut simulation(&scene, Workers::single()), &mut whole);
+
+        let mut resumed = Recorder::default();
+        let mut part = simulation(&scene, Workers::single());
+        part.observe(&mut [&mut resumed]);
+        while !part.is_finished() {
+            part.advance(&mut [&mut resumed]).unwrap();
+            let frame = part.frame();
+            if frame.index.is_multiple_of(10) {
+                let (index, state, frames) = (frame.index, frame.state.clone(), resumed.frames().to_vec());
+                let (steps, strains) = (*resumed.steps(), resumed.max_strains());
+                part = Simulation::resume(
+                    &scene,
+                    Simulation::integrator(&scene, Workers::single()),
+                    state,
+                    index,
+                );
+                resumed = Recorder::resume(part.model(), part.frame().state, steps, strains, frames);
+            }
+        }
+        assert_eq!(whole.frames(), resumed.frames());
+        assert_eq!((whole.steps(), whole.max_strains()), (resumed.steps(), resumed.max_strains()));
+    }
+}
