@@ -50,7 +50,7 @@ impl TensionLaw for ArctangentLaw {
 
     fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
         let u = FACTOR * extension / rest_length;
-        let scale = SCALE * self.stiffness * rest_length.powi(3) / (FACTOR * FACTOR);
+        let scale = SCALE * self.stiffness * rest_length * rest_length * rest_length / (FACTOR * FACTOR);
         scale * 0.5 * ((u * u + 1.0) * libm::atan(u) - u)
     }
 }

@@ -70,7 +70,7 @@ fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
     let law_value = law.required("", "write `law = \"linear\"`")?;
     let mut law = law_value.choice("is not the law of a spring", &known)?;
     if let SpringLawSettings::Tangent { strain_scale: scale } = &mut law {
-        *scale = strain_scale.number("1", NumberRule::Positive)?;
+        *scale = strain_scale.number("", NumberRule::Positive)?;
     } else if let Some(scale) = strain_scale.optional() {
         let message =
             format!("`{}` is of the law \"tangent\", but the law is {}", scale.path, law_value.as_written());
