@@ -23,7 +23,7 @@ use crate::summary::Ending;
 use crate::timing::{SteppingTime, TimedIntegrator};
 
 /// Wall time between two checkpoints at least; so much work may be lost when the process is killed.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(500);
+const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Wall time between two checkpoints at least, as a multiple of what the last one took: they must cost next to nothing.
 const CHECKPOINT_COSTS: u32 = 50;
