@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
     };
     let ending = run.go_on(&interrupted)?;
     let outcomes = write_files(&mut run, &file, &ending)?;
-    report(&mut stdout().lock(), &run, &ending, &outcomes)
+    report(&mut stdout().lock(), &run, &file, &ending, &outcomes)
 }
 
 /// A run and what it writes to.

@@ -263,6 +263,11 @@ fn bad_arguments() {
         "error: unrecognized subcommand 'simulate'\n\nUsage: muslin <COMMAND>\n\n\
          For more information, try '--help'.",
     );
+    work.muslin("scene.toml").assert_failure(
+        2,
+        "error: unrecognized subcommand 'scene.toml'\n\n  tip: to simulate a scene, write `muslin run scene.toml`\n\n\
+         Usage: muslin <COMMAND>\n\nFor more information, try '--help'.",
+    );
     work.muslin("run").assert_failure(
         2,
         "error: the following required arguments were not provided:\n  <SCENE>\n\nUsage: muslin run <SCENE>\n\n\

@@ -104,6 +104,9 @@ fn a_violated_expectation_fails_a_run_that_wrote_all_files() {
              help: change the scene or what it expects; all files were written"
         ),
     );
+    let outcome = work.muslin("run scene.toml --out longer --set run.duration=1.0");
+    let help = "help: the scene may expect this without `--set` only; all files were written\n";
+    assert!(outcome.stderr.ends_with(help), "{}", outcome.stderr);
     assert_eq!(work.summary("out")["status"], json!("complete"));
     assert_eq!(work.summary("out")["expect"][0]["met"], json!(false));
     assert!(FILES.iter().all(|name| exists(work.path("out").join(name))));
