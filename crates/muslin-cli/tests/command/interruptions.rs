@@ -10,6 +10,14 @@ use serde_json::{Value, json};
 
 use crate::work::{Outcome, Work, exists};
 
+const WIND: &str = r#"[[environment.wind]]
+law = "particle-force"
+amplitude = 0.05
+angular_frequency = 3.0
+phase = 0.5
+direction = [0.0, 0.0, 1.0]
+"#;
+
 /// A folder with `scene.toml` whose run in `out` was stopped by `stop` before its end, once `is_ready`.
 ///
 /// How long a run must be for that depends on the machine.
@@ -18,6 +26,7 @@ fn stopped_run(is_ready: impl Fn(&Work) -> bool, stop: impl Fn(Child) -> Outcome
         let work = Work::with_scene(&[
             ("duration = 0.5", &format!("duration = {duration}")),
             ("columns = 5, rows = 4", "columns = 32, rows = 32"),
+            ("[fabric.plain]", &format!("{WIND}\n[fabric.plain]")),
         ]);
         let mut command = work.command(["run", "scene.toml", "--out", "out"]);
         let mut run =
@@ -92,6 +101,10 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
 fn a_killed_run_goes_on_to_the_same_bits() {
     let (work, _) = stopped_run(is_under_way, kill);
     assert_eq!(work.names("out"), [".partial"]);
+    // As if the end had come in the middle of a frame.
+    let mut velocities = work.read("out/.partial/velocities.f64");
+    velocities.extend([1; 1000]);
+    work.write("out/.partial/velocities.f64", velocities);
     work.muslin("run scene.toml --out out --resume").assert_success();
     work.muslin("run scene.toml --out whole").assert_success();
     work.assert_same_run("out", "whole");
