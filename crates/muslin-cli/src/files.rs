@@ -48,8 +48,7 @@ pub(crate) fn write_files(
     })?;
     let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
     let info = GlbInfo { title: scene.title(), cloth_names: &names, frame_rate: scene.run().frame_rate };
-    output
-        .write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), &mut store.drawn()))?;
+    output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), store))?;
     let outcomes: Vec<ExpectOutcome> = match ending {
         Ending::Complete => scene.expectations().iter().map(|line| line.check(&run.recorder)).collect(),
         Ending::Interrupted | Ending::Failed(_) => Vec::new(),
