@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 
 /// Simulate cloth: from a scene file to pictures, pages and arrays.
@@ -11,6 +12,20 @@ use clap::{Parser, Subcommand};
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Arguments {
+    /// The arguments of this process; it ends with a message if there is none such command.
+    pub(crate) fn parse_or_exit() -> Self {
+        Self::try_parse().unwrap_or_else(|mut error| {
+            let name = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
+            if let Some(name) = name.filter(|name| name.ends_with(".toml")) {
+                let tip = format!("to simulate a scene, write `muslin run {name}`");
+                error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+            }
+            error.exit()
+        })
+    }
 }
 
 #[derive(Debug, Subcommand)]

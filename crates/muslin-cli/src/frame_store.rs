@@ -15,17 +15,11 @@ const POSITIONS: &str = "positions.f64";
 const VELOCITIES: &str = "velocities.f64";
 const CHECKPOINT: &str = "checkpoint.json";
 
-/// Coordinates [m] up to which pictures show a frame: their squares still fit single precision.
-///
-/// Only an unstable motion goes farther. Its frames are in the trajectory all the same.
-const DRAWN_LIMIT: f64 = 1e18;
-
 /// The frames of a run in progress: raw little-endian doubles, `x y z` per particle, frame after frame.
 pub(crate) struct FrameStore {
     folder: PathBuf,
     particle_count: usize,
     frame_count: u64,
-    drawn_count: u64,
     positions: BufWriter<File>,
     velocities: BufWriter<File>,
 }
@@ -38,7 +32,6 @@ pub(crate) struct Checkpoint {
     /// SHA-256 of the scene's text.
     pub(crate) scene_hash: String,
     pub(crate) frame_index: u64,
-    drawn_count: u64,
     time: f64,
     last_step: f64,
     steps: StepCounts,
@@ -63,7 +56,6 @@ impl FrameStore {
             folder: folder.to_owned(),
             particle_count,
             frame_count: 0,
-            drawn_count: 0,
             positions: create(POSITIONS)?,
             velocities: create(VELOCITIES)?,
         })
@@ -97,7 +89,6 @@ impl FrameStore {
             folder: folder.to_owned(),
             particle_count,
             frame_count,
-            drawn_count: checkpoint.drawn_count,
             positions: open(POSITIONS)?,
             velocities: open(VELOCITIES)?,
         })
@@ -112,16 +103,8 @@ impl FrameStore {
         for (file, points, name) in arrays {
             write_points(file, points).map_err(|error| CliError::write(&self.folder.join(name), &error))?;
         }
-        if self.drawn_count == self.frame_count && can_be_drawn(&frame.state.positions) {
-            self.drawn_count += 1;
-        }
         self.frame_count += 1;
         Ok(())
-    }
-
-    /// The frames that pictures can show: those before the first whose coordinates are too large.
-    pub(crate) fn drawn(&mut self) -> DrawnFrames<'_> {
-        DrawnFrames(self)
     }
 
     /// Replaces the checkpoint by one at `frame`, the last that was appended.
@@ -139,7 +122,6 @@ impl FrameStore {
             muslin: env!("CARGO_PKG_VERSION").to_owned(),
             scene_hash: scene_hash.to_owned(),
             frame_index: frame.index,
-            drawn_count: self.drawn_count,
             time: frame.state.time,
             last_step: frame.state.last_step,
             steps: *recorder.steps(),
@@ -182,19 +164,6 @@ impl FrameSource for FrameStore {
     fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
         let offset = frame as u64 * frame_bytes(self.particle_count);
         read_at(self.positions.get_mut(), offset, self.particle_count, positions)
-    }
-}
-
-/// See [`FrameStore::drawn`].
-pub(crate) struct DrawnFrames<'a>(&'a mut FrameStore);
-
-impl FrameSource for DrawnFrames<'_> {
-    fn frame_count(&self) -> usize {
-        self.0.drawn_count as usize
-    }
-
-    fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
-        self.0.read_positions(frame, positions)
     }
 }
 
@@ -271,12 +240,6 @@ pub(crate) fn write_whole(
         let _ = fs::remove_file(&temporary);
         CliError::write(path, &error)
     })
-}
-
-/// Whether all coordinates [m] are within [`DRAWN_LIMIT`].
-fn can_be_drawn(positions: &Points) -> bool {
-    let axes = [&positions.x, &positions.y, &positions.z];
-    axes.iter().all(|axis| axis.iter().all(|coordinate| coordinate.abs() <= DRAWN_LIMIT))
 }
 
 /// Bytes of one array of one frame.

@@ -121,7 +121,25 @@ pub(crate) fn significant(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use muslin::{Points, Scene};
+
     use super::*;
+
+    /// Half way from 1 s, where the run was resumed, to 3 s, after 2 s at the wall.
+    #[test]
+    fn a_message_has_time_step_speed_and_time_left() {
+        let scene = Scene::parse(include_str!("../../../scenes/hanging.toml")).expect("a scene");
+        let interrupted = AtomicBool::new(false);
+        let progress = Progress::new(scene.run(), 1.0, &interrupted);
+        let now = progress.start + Duration::from_secs(2);
+        let mut state = State::at_rest(Points::zeros(1));
+        (state.time, state.last_step) = (2.0, 2.5e-4);
+        let message = progress.message(&state, now);
+        assert_eq!(message, "2.00/3.00 s  step 250 µs  0.500x real time  2.00 s left");
+        interrupted.store(true, Ordering::Relaxed);
+        let message = progress.message(&state, now);
+        assert_eq!(message, "stopping after this frame; Ctrl-C again stops at once");
+    }
 
     #[test]
     fn times_take_the_unit_that_suits_them() {

@@ -8,12 +8,14 @@ use muslin::observe::{ExpectOutcome, relative_residual};
 use crate::error::CliError;
 use crate::progress::{duration_text, significant};
 use crate::run::Run;
+use crate::scene_file::SceneFile;
 use crate::summary::{Ending, range_text};
 
-/// Says what came out of `run`, and fails if the run did.
+/// Says what came out of `run` of the scene in `file`, and fails if the run did.
 pub(crate) fn report(
     out: &mut impl Write,
     run: &Run<'_>,
+    file: &SceneFile,
     ending: &Ending,
     outcomes: &[ExpectOutcome],
 ) -> Result<(), CliError> {
@@ -47,9 +49,14 @@ pub(crate) fn report(
     if violated.is_empty() {
         return Ok(());
     }
+    let help = if file.is_changed {
+        "the scene may expect this without `--set` only; all files were written"
+    } else {
+        "change the scene or what it expects; all files were written"
+    };
     Err(CliError::failed(
         format_args!("the run does not meet its [expect] table: {}", violated.join("; ")),
-        "change the scene or what it expects; all files were written",
+        help,
     ))
 }
 

@@ -23,7 +23,7 @@ use crate::summary::Ending;
 use crate::timing::{SteppingTime, TimedIntegrator};
 
 /// Wall time between two checkpoints at least; so much work may be lost when the process is killed.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(500);
+const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Wall time between two checkpoints at least, as a multiple of what the last one took: they must cost next to nothing.
 const CHECKPOINT_COSTS: u32 = 50;
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
     };
     let ending = run.go_on(&interrupted)?;
     let outcomes = write_files(&mut run, &file, &ending)?;
-    report(&mut stdout().lock(), &run, &ending, &outcomes)
+    report(&mut stdout().lock(), &run, &file, &ending, &outcomes)
 }
 
 /// A run and what it writes to.

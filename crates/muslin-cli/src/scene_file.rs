@@ -14,6 +14,8 @@ use crate::memory::require_memory;
 pub(crate) struct SceneFile {
     pub(crate) scene: Scene,
     pub(crate) text: String,
+    /// Whether the command line changed it.
+    pub(crate) is_changed: bool,
 }
 
 impl SceneFile {
@@ -31,7 +33,7 @@ impl SceneFile {
         }
         let scene = Scene::parse(&text).map_err(|error| CliError::BadInput(error.render(&name, &text)))?;
         require_memory(&scene)?;
-        Ok(Self { scene, text })
+        Ok(Self { scene, text, is_changed: !assignments.is_empty() })
     }
 }
 

@@ -162,7 +162,7 @@ fn check_step(
     Err(SimulationError::UnstableStep { step, largest, suggestion })
 }
 
-/// The largest step [s] up to [`SUGGESTED_SHARE`] of `largest` [s] that divides the frame interval.
+/// The largest step [s] up to nine tenths of `largest` [s] that divides the frame interval.
 #[must_use]
 pub fn suggested_step(frame_rate: f64, largest: f64) -> f64 {
     let steps_per_frame = (1.0 / (frame_rate * SUGGESTED_SHARE * largest)).ceil().max(1.0);

@@ -1,0 +1,10 @@
+//! The `muslin` command from outside: its messages, files and exit codes.
+
+mod bad_output;
+mod bad_scene;
+mod interruptions;
+mod other_commands;
+mod runs;
+mod unstable;
+mod verification;
+mod work;

@@ -1,0 +1,105 @@
+//! `muslin check`, `new`, `schema` and `view`, and how progress is shown.
+
+use serde_json::Value;
+
+use crate::work::{Work, exists};
+
+const NAMES: [&str; 5] = ["hanging", "hanging-100", "flag", "free-fall", "pendulum"];
+
+#[test]
+fn check_tells_what_a_run_would_be() {
+    let work = Work::with_scene(&[]);
+    let outcome = work.muslin("check scene.toml");
+    outcome.assert_success();
+    let lines: Vec<&str> = outcome.stdout.lines().collect();
+    let (constant, measured) = lines.split_at(lines.len() - 2);
+    assert_eq!(
+        constant.join("\n"),
+        "\
+Small cloth
+  cloth `sheet`: 5 x 4 particles, 0.400 kg together
+  particles            20, 2 of them pinned
+  structural springs   31
+  shear springs        24
+  bend springs         22
+  step                 5.00 ms (5.000000000000e-3 s), 100 of them
+  largest stable step  30.1 ms in the initial shape
+  stable for certain   19.7 ms (Gershgorin)
+  suggested            step = { constant = 2.500000000000e-2 }"
+    );
+    assert!(measured[0].starts_with("  estimated cost       "), "{}", measured[0]);
+    // 11 frames of 20 particles with positions and velocities of 24 bytes each.
+    assert_eq!(measured[1], "  estimated size       0.0106 MB for trajectory.npz");
+    assert_eq!(work.names("."), ["scene.toml"]);
+}
+
+#[test]
+fn every_new_scene_runs() {
+    let work = Work::new();
+    let list = work.muslin("new");
+    list.assert_success();
+    for name in NAMES {
+        assert!(list.stdout.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}");
+        let outcome = work.muslin(&format!("new {name}"));
+        outcome.assert_success();
+        assert_eq!(outcome.stdout, work.muslin(&format!("new {name}.toml")).stdout);
+        work.write("scene.toml", &outcome.stdout);
+        work.muslin("check scene.toml").assert_success();
+        // Two frames show that it runs; what it expects holds at its own end only.
+        let text = outcome.stdout.split("[expect]").next().unwrap_or_default();
+        work.write("scene.toml", text);
+        let frame_rate: f64 = {
+            let line = text.lines().find(|line| line.starts_with("frame_rate")).expect("a frame rate");
+            line.split(['=', '#']).nth(1).and_then(|value| value.trim().parse().ok()).expect("a number")
+        };
+        let arguments = format!("run scene.toml --out {name} --set run.duration={:?}", 2.0 / frame_rate);
+        work.muslin(&arguments).assert_success();
+    }
+    work.muslin("new curtain").assert_failure(
+        2,
+        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-100, flag, free-fall, \
+         pendulum",
+    );
+}
+
+#[test]
+fn the_schema_is_json() {
+    let outcome = Work::new().muslin("schema");
+    outcome.assert_success();
+    let schema: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+}
+
+#[test]
+fn view_needs_a_page() {
+    let work = Work::new();
+    work.muslin("view nowhere")
+        .assert_failure(2, "error: nowhere has no view.html\n  help: name a folder that `muslin run` wrote");
+    assert!(!exists(work.path("nowhere")));
+}
+
+/// `script` of util-linux gives the command a terminal; where there is none, the unit tests of progress must do.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_shows_a_bar() {
+    use std::process::Command;
+    for duration in ["100.0", "1000.0", "10000.0"] {
+        let work = Work::with_scene(&[("duration = 0.5", &format!("duration = {duration}"))]);
+        let run = format!("'{}' run scene.toml", env!("CARGO_BIN_EXE_muslin"));
+        let mut script = Command::new("script");
+        script.args(["-qec", &run, "/dev/null"]).current_dir(work.path("."));
+        let Ok(output) = script.env("TERM", "xterm").output() else { return };
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(0), "{text}");
+        // A run that ends within a tenth of a second shows none.
+        if let Some(line) = text.split('\r').find(|line| line.contains("x real time")) {
+            assert!(
+                line.contains(&format!("/{duration}0 s  step 5.00 ms  ")) && line.contains(" left"),
+                "{line}"
+            );
+            assert!(line.contains('█') || line.contains('░'), "{line}");
+            return;
+        }
+    }
+    panic!("no run was long enough");
+}

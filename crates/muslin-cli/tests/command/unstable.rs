@@ -1,0 +1,77 @@
+//! Steps beyond the stable one, forced.
+
+use std::fs::File;
+use std::io::BufReader;
+
+use muslin::Points;
+use muslin::write::{FrameSource, MotionSource, TrajectoryReader};
+use serde_json::json;
+
+use crate::work::Work;
+
+/// Once with a frame after every step, once with ten steps between: forces overflow before positions do, and a frame
+/// may lie between the two.
+#[test]
+fn an_unstable_run_stops_at_the_first_value_that_is_not_finite() {
+    for (rate, place) in [
+        (
+            "20.0",
+            "particle 0 (column 0, row 0 of cloth `sheet`) has no finite position or velocity at 6.850000 s",
+        ),
+        (
+            "2.0",
+            "particle 0 (column 0, row 0 of cloth `sheet`) has no finite position or velocity at 6.900000 s",
+        ),
+    ] {
+        let work = Work::with_scene(&[
+            ("constant = 5e-3", "constant = 50e-3"),
+            ("duration = 0.5", "duration = 100.0"),
+            ("frame_rate = 20.0", &format!("frame_rate = {rate}")),
+            ("pins = [{ column = 0, row = 0 }, { column = -1, row = 0 }]", "pins = [{ row = -1 }]"),
+        ]);
+        let outcome = work.muslin("run scene.toml --out out --set run.allow-unstable=true");
+        outcome.assert_failure(
+            1,
+            &format!(
+                "error: {place}; out holds the frames before it\n  help: the motion has become unstable: take a step \
+                 smaller than 50.0 ms; `muslin check` names the largest stable one"
+            ),
+        );
+        let summary = work.summary("out");
+        assert_eq!((&summary["status"], &summary["error"]), (&json!("failed"), &json!(place)));
+        let files = ["cloth.glb", "scene.toml", "series.csv", "summary.json", "trajectory.npz"];
+        let names = work.names("out");
+        assert!(files.iter().all(|file| names.iter().any(|name| name == file)), "{names:?}");
+        assert!(!names.iter().any(|name| name == ".partial"));
+
+        let file = BufReader::new(File::open(work.path("out/trajectory.npz")).expect("a trajectory"));
+        let mut trajectory = TrajectoryReader::new(file).expect("a whole trajectory");
+        assert_eq!(Some(trajectory.frame_count()), summary["frame_hashes"].as_array().map(Vec::len));
+        assert!(10 < trajectory.frame_count());
+        let mut points = Points::default();
+        for frame in 0..trajectory.frame_count() {
+            trajectory.read_positions(frame, &mut points).expect("positions");
+            assert!(points.is_finite(), "frame {frame}");
+            trajectory.read_velocities(frame, &mut points).expect("velocities");
+            assert!(points.is_finite(), "frame {frame}");
+        }
+        work.muslin("verify out").assert_success();
+    }
+}
+
+#[test]
+fn a_run_that_fails_in_its_first_step_has_advice() {
+    let work = Work::with_scene(&[
+        ("-9.81", "-1e308"),
+        ("duration = 0.5", "duration = 500.0"),
+        ("frame_rate = 20.0", "frame_rate = 0.02"),
+        ("constant = 5e-3", "constant = 50.0"),
+    ]);
+    work.muslin("run scene.toml --out out --set run.allow-unstable=true").assert_failure(
+        1,
+        "error: particle 1 (column 1, row 0 of cloth `sheet`) has no finite position or velocity at 50.000000 s; out \
+         holds the frames before it\n  help: the motion has become unstable: take a step smaller than 50.0 s; `muslin \
+         check` names the largest stable one",
+    );
+    assert_eq!(work.summary("out")["frames"], json!(1));
+}
