@@ -18,6 +18,7 @@ import numpy as np
 # The three-level form loses digits to rounding as the step shrinks, so it is evaluated in the longest floating point type
 # there is; in doubles it strays a hundred times as far.
 TOLERANCE = 1e-9  # [m]
+PI = 4 * np.arctan(np.longdouble(1))
 FAMILIES = {
     "structural": [(1, 0), (0, 1)],
     "shear": [(1, 1), (-1, 1)],
@@ -28,6 +29,19 @@ FAMILIES = {
 def unit(vector):
     vector = np.array(vector, dtype=np.longdouble)
     return vector / np.linalg.norm(vector)
+
+
+def tension(springs, extension, rest):
+    """Tension [N] of springs of a fabric's table; the tangent law below its cap."""
+    stiffness = np.longdouble(springs["stiffness"])
+    if springs["law"] == "linear":
+        return stiffness * extension
+    if springs["law"] == "arctangent-force":
+        return np.longdouble("0.06") * stiffness * rest * np.arctan(5 * PI * extension / rest)
+    scale = np.longdouble(springs["strain_scale"]) * rest
+    initial = stiffness / (np.longdouble("0.3") * PI)
+    assert (extension < 1.56 * scale).all(), "a spring beyond the cap of the tangent law"
+    return initial * np.where(extension > 0, scale * np.tan(np.maximum(extension, 0) / scale), extension)
 
 
 class Cloth:
@@ -49,7 +63,7 @@ class Cloth:
     def internal_forces(self, s):
         forces = np.zeros_like(s)
         for family, offsets in FAMILIES.items():
-            stiffness = self.fabric[family]["stiffness"]
+            springs = self.fabric[family]
             for di, dj in offsets:
                 near = (slice(0, self.rows - dj), slice(max(0, -di), self.columns - max(0, di)))
                 far = (slice(dj, self.rows), slice(max(0, di), self.columns + min(0, di)))
@@ -57,7 +71,7 @@ class Cloth:
                 length = np.linalg.norm(vector, axis=-1, keepdims=True)
                 rest = np.linalg.norm(self.start[far] - self.start[near], axis=-1, keepdims=True)
                 as_printed = self.fabric.get("force_direction") == "rest-length"
-                force = stiffness * (length - rest) * vector / (rest if as_printed else length)
+                force = tension(springs, length - rest, rest) * vector / (rest if as_printed else length)
                 forces[near] += force
                 forces[far] -= force
         return forces

@@ -5,11 +5,16 @@ use std::io::{Write, stdout};
 use crate::error::CliError;
 
 /// Scenes to start from: name, what it shows, and text.
-const SCENES: [(&str, &str, &str); 5] = [
+const SCENES: [(&str, &str, &str); 6] = [
     ("hanging", "a 10 x 10 cloth hung by two corners", include_str!("../../../scenes/hanging.toml")),
     (
+        "hanging-tangent",
+        "the same cloth with springs that stiffen",
+        include_str!("../../../scenes/hanging-tangent.toml"),
+    ),
+    (
         "hanging-100",
-        "the same cloth with 100 x 100 particles",
+        "a cloth of 100 x 100 particles, hung the same way",
         include_str!("../../../scenes/hanging-100.toml"),
     ),
     ("flag", "a cloth pinned along one edge, in wind", include_str!("../../../scenes/flag.toml")),
@@ -22,7 +27,7 @@ pub(crate) fn new(name: Option<&str>) -> Result<(), CliError> {
     let mut out = stdout().lock();
     let Some(name) = name else {
         for (name, description, _) in SCENES {
-            let _ = writeln!(out, "{name:<12} {description}");
+            let _ = writeln!(out, "{name:<16} {description}");
         }
         let _ = writeln!(out, "\nwrite one to a file: muslin new hanging > my-scene.toml");
         return Ok(());

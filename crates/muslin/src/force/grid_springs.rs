@@ -191,10 +191,10 @@ impl Force for GridSprings {
                     let (positions, offset) = (at.positions, block.start);
                     match family.law {
                         SpringLaw::Linear(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces)
+                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
                         }
                         SpringLaw::Tangent(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces)
+                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
                         }
                         SpringLaw::Arctangent(law) => {
                             add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);

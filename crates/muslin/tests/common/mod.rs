@@ -9,6 +9,9 @@ use muslin::integrate::Workers;
 use muslin::observe::{Observer, StateHash};
 use muslin::{Model, Points, Scene, Simulation, State};
 
+/// Hooke's law, as in a scene file.
+pub(crate) const LINEAR: &str = "law = \"linear\"";
+
 /// A scene as numbers, of which tests make the text that the library reads, and the motion that it must have.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneNumbers {
@@ -48,6 +51,8 @@ pub(crate) struct ClothNumbers {
     pub(crate) rest_length_direction: bool,
     /// Structural, shear and bend stiffness [N/m].
     pub(crate) stiffnesses: [f64; 3],
+    /// Their laws, as in a scene file.
+    pub(crate) laws: [&'static str; 3],
 }
 
 impl Default for SceneNumbers {
@@ -82,6 +87,7 @@ impl Default for ClothNumbers {
             drag: 0.002,
             rest_length_direction: false,
             stiffnesses: [60.0, 20.0, 2.0],
+            laws: [LINEAR; 3],
         }
     }
 }
@@ -137,15 +143,16 @@ impl ClothNumbers {
         let Self { columns, rows, width, height, origin, width_axis, height_axis, mass, drag, .. } = self;
         let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
         let [structural, shear, bend] = self.stiffnesses;
+        let [structural_law, shear_law, bend_law] = self.laws;
         let pins: Vec<String> =
             self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row} }}")).collect();
         let _ = write!(
             text,
             "[fabric.fabric{index}]\nkind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
              force_direction = \"{direction}\"\n\
-             structural = {{ stiffness = {structural:?}, law = \"linear\" }}\n\
-             shear = {{ stiffness = {shear:?}, law = \"linear\" }}\n\
-             bend = {{ stiffness = {bend:?}, law = \"linear\" }}\n\
+             structural = {{ stiffness = {structural:?}, {structural_law} }}\n\
+             shear = {{ stiffness = {shear:?}, {shear_law} }}\n\
+             bend = {{ stiffness = {bend:?}, {bend_law} }}\n\
              [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
              grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
              place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\

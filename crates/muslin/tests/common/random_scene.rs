@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{ClothNumbers, Random, SceneNumbers, WindNumbers};
+use super::{ClothNumbers, LINEAR, Random, SceneNumbers, WindNumbers};
 
 /// Half a second of one cloth: any grid up to 8 x 8, any place, pins, wind, gravity, start and force direction.
 ///
@@ -33,6 +33,15 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
     })
 }
 
+/// The same with any laws of tension. Strain scales are so large that springs stiffen by a few times, not without bound.
+pub(crate) fn random_law_scene() -> impl Strategy<Value = SceneNumbers> {
+    const LAWS: [&str; 3] = [LINEAR, "law = \"tangent\", strain_scale = 0.9", "law = \"arctangent-force\""];
+    (random_scene(), [0..LAWS.len(), 0..LAWS.len(), 0..LAWS.len()]).prop_map(|(mut numbers, laws)| {
+        numbers.cloths[0].laws = laws.map(|law| LAWS[law]);
+        numbers
+    })
+}
+
 fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumbers {
     let mass = 10.0_f64.powf(-2.0 + 1.5 * random.next());
     let frequency = 10.0_f64.powf(1.7 + 0.7 * random.next());
@@ -58,6 +67,7 @@ fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumber
         drag: mass * random.between(0.0, 20.0),
         rest_length_direction: random.below(2) == 0,
         stiffnesses,
+        laws: [LINEAR; 3],
     }
 }
 

@@ -8,6 +8,7 @@ mod common;
 mod conservation;
 mod energy;
 mod falling;
+mod laws;
 mod order;
 mod oscillator;
 mod printed_form;
