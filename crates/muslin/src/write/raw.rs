@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::Points;
 
 /// How many points are converted at a time.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 2048;
 
 /// Bytes of one point.
 pub const POINT_BYTES: usize = 24;

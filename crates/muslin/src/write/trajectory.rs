@@ -2,10 +2,9 @@
 
 use std::io::{self, Read, Seek, Write};
 
-use glam::DVec3;
-
 use super::FrameSource;
 use super::npz::{Dtype, NpzError, NpzReader, NpzWriter};
+use super::raw::{read_points, write_points};
 use crate::Points;
 
 /// Frames with velocities.
@@ -50,13 +49,13 @@ pub fn write_trajectory(
     npz.write_array("positions", Dtype::F64, &shape, |out| {
         (0..frame_count).try_for_each(|frame| {
             frames.read_positions(frame, &mut points)?;
-            write_points(out, frame, &points, particle_count)
+            write_frame(out, frame, &points, particle_count)
         })
     })?;
     npz.write_array("velocities", Dtype::F64, &shape, |out| {
         (0..frame_count).try_for_each(|frame| {
             frames.read_velocities(frame, &mut points)?;
-            write_points(out, frame, &points, particle_count)
+            write_frame(out, frame, &points, particle_count)
         })
     })?;
     npz.write_array("triangles", Dtype::U32, &[triangles.len() as u64, 3], |out| {
@@ -65,24 +64,14 @@ pub fn write_trajectory(
     npz.finish()
 }
 
-/// How many points are converted to bytes, or back, at a time.
-const CHUNK: usize = 2048;
-
-fn write_points(out: &mut dyn Write, frame: usize, points: &Points, particle_count: usize) -> io::Result<()> {
+/// Writes a frame's points, which must be as many as in the first frame.
+fn write_frame(out: &mut dyn Write, frame: usize, points: &Points, particle_count: usize) -> io::Result<()> {
     if points.len() != particle_count {
         let message =
             format!("frame {frame} has {} particles, but frame 0 has {particle_count}", points.len());
         return Err(io::Error::new(io::ErrorKind::InvalidData, message));
     }
-    let mut bytes = Vec::with_capacity(CHUNK * 24);
-    for first in (0..particle_count).step_by(CHUNK) {
-        bytes.clear();
-        for particle in first..particle_count.min(first + CHUNK) {
-            bytes.extend(points.get(particle).to_array().into_iter().flat_map(f64::to_le_bytes));
-        }
-        out.write_all(&bytes)?;
-    }
-    Ok(())
+    write_points(out, points)
 }
 
 /// Reads `trajectory.npz`, any frame alone: [`FrameSource`] and [`MotionSource`] over a file.
@@ -159,18 +148,7 @@ impl<R: Read + Seek> TrajectoryReader<R> {
         }
         // No overflow: all elements of the array fit the file.
         let mut data = self.npz.data(name, frame as u64 * self.particle_count as u64 * 3)?;
-        *points = Points::zeros(self.particle_count);
-        let mut bytes = vec![0; CHUNK * 24];
-        for first in (0..self.particle_count).step_by(CHUNK) {
-            let count = CHUNK.min(self.particle_count - first);
-            data.read_exact(&mut bytes[..count * 24])?;
-            let (coordinates, _) = bytes[..count * 24].as_chunks::<8>();
-            for (particle, point) in (first..).zip(coordinates.chunks_exact(3)) {
-                points
-                    .set(particle, DVec3::from_array([0, 1, 2].map(|axis| f64::from_le_bytes(point[axis]))));
-            }
-        }
-        Ok(())
+        Ok(read_points(&mut data, self.particle_count, points)?)
     }
 }
 
@@ -215,7 +193,9 @@ fn read_bytes<const N: usize>(input: &mut impl Read) -> io::Result<[u8; N]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::raw::CHUNK;
     use super::*;
+    use glam::DVec3;
     use proptest::prelude::*;
     use std::io::Cursor;
 
