@@ -89,6 +89,9 @@ fn write_report(out: &mut impl Write, run: &Run<'_>, outcomes: &[ExpectOutcome])
     if let Some(last) = frames.last() {
         writeln!(out, "  hash of the last state     {}", last.hash)?;
     }
+    for warning in run.scene.warnings() {
+        writeln!(out, "warning: {warning}")?;
+    }
     writeln!(out, "look at it: muslin view {path}, or open {path}/view.html")
 }
 

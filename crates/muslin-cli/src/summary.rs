@@ -46,6 +46,7 @@ impl Summary<'_> {
             "muslin": env!("CARGO_PKG_VERSION"),
             "status": status,
             "error": error,
+            "warnings": self.scene.warnings(),
             "title": self.scene.title(),
             "scene_hash": self.scene_hash,
             "method": method_name(run.method),

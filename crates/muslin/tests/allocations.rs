@@ -95,6 +95,7 @@ fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32
             angular_frequency: 3.0,
             phase: 0.0,
             direction: [0.0, 0.0, 1.0],
+            noise: [0.0; 2],
         }],
         cloths: vec![ClothNumbers { columns, rows, pins: vec![(0, 0)], ..ClothNumbers::default() }],
         ..SceneNumbers::default()

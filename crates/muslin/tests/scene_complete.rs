@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method, PinSettings,
-    Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method,
+    NoiseSettings, PinSettings, Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -29,12 +29,14 @@ fn every_value_of_a_complete_scene_is_read() {
                 angular_frequency: 6.0,
                 phase: -0.5,
                 direction: DVec3::Z,
+                noise: Some(NoiseSettings { deviation: 0.0005, time: 0.05 }),
             },
             WindSettings::ParticleForce {
                 amplitude: 1.0,
                 angular_frequency: 0.0,
                 phase: 1.5,
                 direction: DVec3::new(0.6, 0.0, -0.8),
+                noise: None,
             },
         ]
     );

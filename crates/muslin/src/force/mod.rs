@@ -6,6 +6,7 @@
 mod gravity;
 mod grid_springs;
 mod law;
+mod noise;
 mod spring;
 mod wind;
 
@@ -15,6 +16,7 @@ use std::ops::Range;
 pub use gravity::Gravity;
 pub use grid_springs::GridSprings;
 pub use law::{ArctangentLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use noise::{Noise, RandomStream};
 pub use spring::Spring;
 pub use wind::ParticleWind;
 

@@ -4,19 +4,19 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{Configuration, Force};
+use super::{Configuration, Force, Noise};
 use crate::PointsMut;
 
 /// The paper's wind: the same force on every particle, wherever it is and whatever way the cloth faces.
 ///
 /// ```text
-/// F = A sin(ω t + φ) d [N]
+/// F = [A sin(ω t + φ) + ε(t)] d [N]
 /// ```
 ///
 /// It changes sign, so it blows backwards half of the time, and it acts like a gravity that turns: a pinned sheet swings
 /// in it but cannot flutter. Source: Luo, Miyaki, Yamasaki, Aizawa, "Dynamic 3D Simulation of Fabric Based on Improved
-/// Mass-Spring Model", section 2, whose ω is called a period but multiplies the time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Mass-Spring Model", section 2, whose ω is called a period but multiplies the time, and whose ε is printed without its correlation.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ParticleWind {
     /// Amplitude A [N].
     pub amplitude: f64,
@@ -26,13 +26,16 @@ pub struct ParticleWind {
     pub phase: f64,
     /// Direction d [1], of unit length.
     pub direction: DVec3,
+    /// Random part ε of the strength [N], if there is one.
+    pub noise: Option<Noise>,
 }
 
 impl ParticleWind {
     /// Force [N] on every particle at `time` [s].
     #[must_use]
     pub fn force(&self, time: f64) -> DVec3 {
-        self.direction * (self.amplitude * libm::sin(self.angular_frequency * time + self.phase))
+        let sine = self.amplitude * libm::sin(self.angular_frequency * time + self.phase);
+        self.direction * (sine + self.noise.as_ref().map_or(0.0, |noise| noise.value(time)))
     }
 }
 

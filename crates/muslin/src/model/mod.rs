@@ -13,8 +13,8 @@ pub use grid::Grid;
 pub use particles::Particles;
 pub use surface::{Surface, SurfaceGrid};
 
-use crate::force::{Force, Gravity, GridSprings, ParticleWind};
-use crate::scene::{Fabric, PinSettings, Scene, WindSettings};
+use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};
+use crate::scene::{Fabric, NoiseSettings, PinSettings, Scene, WindSettings};
 use crate::{Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
@@ -72,9 +72,13 @@ impl Model {
             forces.push(Box::new(GridSprings::new(grid, fabric)));
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
-        for wind in &environment.winds {
-            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction } = *wind;
-            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction }));
+        for (index, wind) in environment.winds.iter().enumerate() {
+            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction, noise } = *wind;
+            let noise = noise.map(|NoiseSettings { deviation, time }| {
+                let stream = RandomStream::new(scene.run().seed, &format!("environment.wind.{index}.noise"));
+                Noise::new(deviation, time, scene.run().duration, stream)
+            });
+            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction, noise }));
         }
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
         Self { particles, cloths, forces, blocks }

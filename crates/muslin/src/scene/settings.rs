@@ -49,6 +49,21 @@ impl Scene {
         &self.cloths
     }
 
+    /// What a reader of the results must know, one sentence each, in lower case and without full stop.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let winds = self.environment.winds.iter().enumerate();
+        winds
+            .filter_map(|(index, wind)| match wind {
+                WindSettings::ParticleForce { noise: Some(NoiseSettings { time: 0.0, .. }), .. } => Some(format!(
+                    "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
+                     depends on the step"
+                )),
+                WindSettings::ParticleForce { .. } => None,
+            })
+            .collect()
+    }
+
     /// What the run must give.
     #[must_use]
     pub fn expectations(&self) -> &[Expectation] {
@@ -115,7 +130,7 @@ pub struct Environment {
 /// `[[environment.wind]]`
 #[derive(Clone, Debug, PartialEq)]
 pub enum WindSettings {
-    /// `law = "particle-force"`: F = A sin(ω t + φ) d on every particle, as the paper writes it.
+    /// `law = "particle-force"`: F = [A sin(ω t + φ) + ε] d on every particle, as the paper writes it.
     ParticleForce {
         /// Amplitude A [N].
         amplitude: f64,
@@ -125,7 +140,18 @@ pub enum WindSettings {
         phase: f64,
         /// Direction d [1], of unit length.
         direction: DVec3,
+        /// Random part ε, if there is one.
+        noise: Option<NoiseSettings>,
     },
+}
+
+/// `noise` and `noise_time` of a wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseSettings {
+    /// Standard deviation [N], positive.
+    pub deviation: f64,
+    /// Correlation time [s]; zero for a new value at each step, or else at least 1e-5 of the duration.
+    pub time: f64,
 }
 
 /// `[fabric.NAME]`

@@ -25,13 +25,15 @@ pub(crate) struct SceneNumbers {
     pub(crate) cloths: Vec<ClothNumbers>,
 }
 
-/// A wind F = A sin(ω t + φ) d on every particle.
+/// A wind F = [A sin(ω t + φ) + ε] d on every particle.
 #[derive(Clone, Debug)]
 pub(crate) struct WindNumbers {
     pub(crate) amplitude: f64,
     pub(crate) angular_frequency: f64,
     pub(crate) phase: f64,
     pub(crate) direction: [f64; 3],
+    /// Standard deviation [N] and correlation time [s].
+    pub(crate) noise: [f64; 2],
 }
 
 /// A cloth with a fabric of its own.
@@ -113,11 +115,13 @@ impl SceneNumbers {
             self.gravity,
         );
         for wind in &self.winds {
-            let WindNumbers { amplitude, angular_frequency, phase, direction } = wind;
+            let WindNumbers { amplitude, angular_frequency, phase, direction, noise: [noise, noise_time] } =
+                wind;
             let _ = write!(
                 text,
                 "[[environment.wind]]\nlaw = \"particle-force\"\namplitude = {amplitude:?}\n\
-                 angular_frequency = {angular_frequency:?}\nphase = {phase:?}\ndirection = {direction:?}\n",
+                 angular_frequency = {angular_frequency:?}\nphase = {phase:?}\ndirection = {direction:?}\n\
+                 noise = {noise:?}\nnoise_time = {noise_time:?}\n",
             );
         }
         for (index, cloth) in self.cloths.iter().enumerate() {

@@ -77,5 +77,6 @@ fn random_wind(mass: f64, random: &mut Random) -> WindNumbers {
         angular_frequency: random.between(0.0, 20.0),
         phase: random.between(-3.0, 3.0),
         direction: random.vector(1.0),
+        noise: [0.0; 2],
     }
 }

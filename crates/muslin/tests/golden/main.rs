@@ -23,6 +23,7 @@ fn flag() -> SceneNumbers {
         angular_frequency,
         phase: 0.6,
         direction,
+        noise: [0.0; 2],
     };
     SceneNumbers {
         frame_intervals: 60,

@@ -51,6 +51,7 @@ fn residual_with_wind_falls_as_the_step_squared() {
                 angular_frequency: 9.0,
                 phase,
                 direction,
+                noise: [0.0; 2],
             };
             let cloth =
                 ClothNumbers { columns: 7, rows: 5, pins: vec![(0, 0), (0, 4)], ..ClothNumbers::default() };

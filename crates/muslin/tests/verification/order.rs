@@ -88,7 +88,7 @@ fn as_printed_start_is_of_first_order() {
 }
 
 /// A cloth has no closed form: differences between runs of h, h/2, h/4, … fall like the errors (Richardson).
-fn cloth_orders(as_printed_start: bool) -> Vec<f64> {
+fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
     let run = |steps_per_frame: u32| {
         let numbers = SceneNumbers {
             frame_intervals: 10,
@@ -100,6 +100,7 @@ fn cloth_orders(as_printed_start: bool) -> Vec<f64> {
                 angular_frequency: 8.0,
                 phase: 0.5,
                 direction: [0.3, 0.1, 1.0],
+                noise,
             }],
             cloths: vec![ClothNumbers {
                 columns: 6,
@@ -127,13 +128,37 @@ fn cloth_orders(as_printed_start: bool) -> Vec<f64> {
 
 #[test]
 fn cloth_is_of_second_order() {
-    let orders = cloth_orders(false);
+    let orders = cloth_orders(false, [0.0; 2]);
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.02), "{orders:?}");
+}
+
+/// Noise with a correlation time is a function of time: halved steps see the same. It is straight over τ / 32 = 10 ms, a
+/// whole number of steps of every run here, so that its kinks fall between steps and the order is as clean as without.
+#[test]
+fn cloth_in_noisy_wind_is_of_second_order() {
+    let orders = cloth_orders(false, [0.01, 0.32]);
+    assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.03), "{orders:?}");
+}
+
+/// With kinks inside of steps each costs up to h² more or less, so only the order over all halvings is meaningful.
+#[test]
+fn cloth_in_noise_of_any_time_is_of_second_order() {
+    let orders = cloth_orders(false, [0.01, 0.23]);
+    let mean = orders.iter().sum::<f64>() / orders.len() as f64;
+    assert!((mean - 2.0).abs() < 0.3, "{orders:?}");
+}
+
+/// A new value at each step is another force with other steps: the runs do not approach each other by squares.
+#[test]
+fn cloth_in_white_noise_does_not_converge_as_it_should() {
+    let orders = cloth_orders(false, [0.01, 0.0]);
+    let mean = orders.iter().sum::<f64>() / orders.len() as f64;
+    assert!(mean < 1.0, "{orders:?}");
 }
 
 #[test]
 fn cloth_as_printed_is_of_first_order() {
-    let orders = cloth_orders(true);
+    let orders = cloth_orders(true, [0.0; 2]);
     assert!(orders.iter().all(|order| (order - 1.0).abs() < 0.05), "{orders:?}");
 }
 

@@ -147,11 +147,21 @@ fn max_difference(numbers: &SceneNumbers) -> f64 {
     max
 }
 
-const WIND: WindNumbers =
-    WindNumbers { amplitude: 0.01, angular_frequency: 11.0, phase: 0.4, direction: [1.0, -0.5, 2.0] };
+const WIND: WindNumbers = WindNumbers {
+    amplitude: 0.01,
+    angular_frequency: 11.0,
+    phase: 0.4,
+    direction: [1.0, -0.5, 2.0],
+    noise: [0.0; 2],
+};
 
-const STEADY_WIND: WindNumbers =
-    WindNumbers { amplitude: 0.02, angular_frequency: 0.0, phase: -1.0, direction: [0.0, 0.0, 1.0] };
+const STEADY_WIND: WindNumbers = WindNumbers {
+    amplitude: 0.02,
+    angular_frequency: 0.0,
+    phase: -1.0,
+    direction: [0.0, 0.0, 1.0],
+    noise: [0.0; 2],
+};
 
 /// Half a second of a cloth of this grid with all combinations of start, force direction, drag and wind.
 fn assert_agreement(columns: usize, rows: usize, pins: &[(usize, usize)]) {

@@ -2,9 +2,12 @@
 
 use super::table::{Entry, Table};
 use super::value::NumberRule;
-use crate::scene::{Environment, SceneError, WindSettings};
+use crate::scene::{Environment, NoiseSettings, SceneError, WindSettings};
 
-pub(super) fn read(entry: Entry) -> Result<Environment, SceneError> {
+/// Shortest correlation time of noise but zero, relative to the duration of the run.
+const SHORTEST_NOISE_TIME: f64 = 1e-5;
+
+pub(super) fn read(entry: Entry, duration: f64) -> Result<Environment, SceneError> {
     let help = "add a table `[environment]` with `gravity = [0.0, -9.81, 0.0]`";
     let mut table = entry.required("", help)?.table("write `[environment]`")?;
     let gravity = table.take("gravity");
@@ -16,13 +19,13 @@ pub(super) fn read(entry: Entry) -> Result<Environment, SceneError> {
         None => Vec::new(),
         Some(winds) => {
             let tables = winds.tables("write `[[environment.wind]]`, one for each wind")?;
-            tables.into_iter().map(read_wind).collect::<Result<_, _>>()?
+            tables.into_iter().map(|table| read_wind(table, duration)).collect::<Result<_, _>>()?
         }
     };
     Ok(Environment { gravity, winds })
 }
 
-fn read_wind(mut table: Table) -> Result<WindSettings, SceneError> {
+fn read_wind(mut table: Table, duration: f64) -> Result<WindSettings, SceneError> {
     let law = table.take("law");
     if let Some(law) = table.peek("law").optional() {
         law.reject_later(&[("aerodynamic", "aerodynamic wind")], "use `law = \"particle-force\"`")?;
@@ -37,19 +40,36 @@ fn read_wind(mut table: Table) -> Result<WindSettings, SceneError> {
     table.finish()?;
 
     law.required("", "write `law = \"particle-force\"`")?;
-    let wind = WindSettings::ParticleForce {
+    Ok(WindSettings::ParticleForce {
         amplitude: amplitude.number("N", NumberRule::NotNegative)?,
         angular_frequency: angular_frequency.number("rad/s", NumberRule::NotNegative)?,
         phase: phase.number("rad", NumberRule::Finite)?,
         direction: direction.direction()?,
+        noise: read_noise(noise, noise_time, duration)?,
+    })
+}
+
+/// A deviation of zero is no noise, whatever its time.
+fn read_noise(deviation: Entry, time: Entry, duration: f64) -> Result<Option<NoiseSettings>, SceneError> {
+    let deviation = match deviation.optional() {
+        None => 0.0,
+        Some(value) => value.number("N", NumberRule::NotNegative)?,
     };
-    if let Some(noise) = noise.optional()
-        && noise.number("N", NumberRule::NotNegative)? != 0.0
-    {
-        return Err(noise.not_available("wind noise", "write `noise = 0.0` or leave it out"));
+    if deviation == 0.0 {
+        if let Some(value) = time.optional() {
+            value.number("s", NumberRule::NotNegative)?;
+        }
+        return Ok(None);
     }
-    if let Some(noise_time) = noise_time.optional() {
-        noise_time.number("s", NumberRule::NotNegative)?;
+    let value = time.required(
+        "s",
+        "write `noise_time = ...`, or 0 for a new value at each step, as the paper prints it",
+    )?;
+    let time = value.number("s", NumberRule::NotNegative)?;
+    let shortest = SHORTEST_NOISE_TIME * duration;
+    if 0.0 < time && time < shortest {
+        let rule = format!("be 0 or at least {shortest:e} s, a hundred-thousandth of the run");
+        return Err(value.out_of_range("s", &rule, ""));
     }
-    Ok(wind)
+    Ok(Some(NoiseSettings { deviation, time }))
 }

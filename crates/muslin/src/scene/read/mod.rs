@@ -39,7 +39,7 @@ impl Scene {
 
         let title = title.string()?.to_owned();
         let run = run::read(run)?;
-        let environment = environment::read(environment)?;
+        let environment = environment::read(environment, run.duration)?;
         let fabrics = fabric::read(fabrics)?;
         let cloths = cloth::read(cloths, &fabrics)?;
         let expectations = expect::read(expectations)?;
