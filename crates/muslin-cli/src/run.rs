@@ -113,7 +113,8 @@ impl<'a> Run<'a> {
         let earlier = [checkpoint.wall_seconds, checkpoint.stepping_seconds];
         let frame_index = checkpoint.frame_index;
         let recorder = checkpoint.recorder(&model, &state);
-        let simulation = Simulation::resume(scene, integrator, state, frame_index);
+        let simulation =
+            Simulation::resume(scene, integrator, state, frame_index).map_err(|error| unstable(&error))?;
         Ok(Self {
             scene,
             scene_hash: scene_hash.to_owned(),

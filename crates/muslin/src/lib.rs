@@ -74,6 +74,7 @@ pub mod scene;
 mod state;
 pub mod write;
 
+pub use glam;
 pub use model::Model;
 pub use points::{Points, PointsMut};
 pub use run::{Simulation, SimulationError, suggested_step};

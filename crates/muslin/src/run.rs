@@ -24,6 +24,12 @@ pub enum SimulationError {
         /// A stable step [s] that divides the frame interval.
         suggestion: f64,
     },
+    /// A state that a run of the scene cannot have reached.
+    #[error("a run cannot go on from this state: {reason}")]
+    WrongState {
+        /// What is wrong with it.
+        reason: String,
+    },
 }
 
 /// A scene in motion.
@@ -37,6 +43,7 @@ pub struct Simulation {
     integrator: Box<dyn Integrator>,
     settings: RunSettings,
     frame_index: u64,
+    failure: Option<StepError>,
 }
 
 impl Simulation {
@@ -64,9 +71,37 @@ impl Simulation {
     }
 
     /// `scene` at frame `frame_index`, whose `state` an earlier run reached.
-    #[must_use]
-    pub fn resume(scene: &Scene, integrator: Box<dyn Integrator>, state: State, frame_index: u64) -> Self {
-        Self::at_frame(Model::new(scene), state, integrator, scene.run().clone(), frame_index)
+    ///
+    /// # Errors
+    /// [`SimulationError::WrongState`] if `state` is not one of as many particles at the time of that frame, or the scene
+    /// has no such frame.
+    pub fn resume(
+        scene: &Scene,
+        integrator: Box<dyn Integrator>,
+        state: State,
+        frame_index: u64,
+    ) -> Result<Self, SimulationError> {
+        let (model, settings) = (Model::new(scene), scene.run().clone());
+        let wrong = |reason: String| Err(SimulationError::WrongState { reason });
+        let (particles, time) = (model.particles().len(), frame_index as f64 / settings.frame_rate);
+        for (name, points) in [("positions", &state.positions), ("velocities", &state.velocities)] {
+            if [&points.x, &points.y, &points.z].iter().any(|axis| axis.len() != particles) {
+                return wrong(format!(
+                    "it has {} {name}, but the scene has {particles} particles",
+                    points.len()
+                ));
+            }
+        }
+        if settings.frame_intervals < frame_index {
+            return wrong(format!(
+                "it is of frame {frame_index}, but the last is {}",
+                settings.frame_intervals
+            ));
+        }
+        if state.time != time {
+            return wrong(format!("it is at {} s, but frame {frame_index} is at {time} s", state.time));
+        }
+        Ok(Self::at_frame(model, state, integrator, settings, frame_index))
     }
 
     fn at_frame(
@@ -78,7 +113,7 @@ impl Simulation {
     ) -> Self {
         let mut velocities = Points::zeros(state.positions.len());
         integrator.eval_velocities(&model, &state, &mut velocities);
-        Self { model, state, velocities, integrator, settings, frame_index }
+        Self { model, state, velocities, integrator, settings, frame_index, failure: None }
     }
 
     /// What is constant.
@@ -87,7 +122,7 @@ impl Simulation {
         &self.model
     }
 
-    /// The current frame.
+    /// The current frame; after an error of [`advance`](Self::advance), the broken state of the failed step.
     #[must_use]
     pub fn frame(&self) -> Frame<'_> {
         Frame { index: self.frame_index, state: &self.state, velocities: &self.velocities }
@@ -106,34 +141,45 @@ impl Simulation {
         }
     }
 
-    /// Moves to the next frame and shows every step and the frame to `observers`.
+    /// Moves to the next frame and shows every step and the frame to `observers`, which must have seen the first frame by
+    /// [`observe`](Self::observe). After the last frame it does nothing.
     ///
     /// # Errors
     /// If a step fails, or the velocities of the frame are no longer finite numbers. The state is then that of the failed
-    /// step, and no observer sees the frame.
+    /// step, no observer sees the frame, and every further call gives the same error.
     pub fn advance(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), StepError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        if self.is_finished() {
+            return Ok(());
+        }
         let workers = self.integrator.workers().clone();
-        workers.install(|| {
-            let StepRule::Constant { steps_per_frame } = self.settings.step;
-            let step = constant_step(&self.settings);
-            for count in 1..=steps_per_frame {
-                let result = self.integrator.step(&self.model, &mut self.state, step);
-                let passed = self.frame_index as f64 + count as f64 / steps_per_frame as f64;
-                self.state.time = passed / self.settings.frame_rate;
-                result?;
-                for observer in observers.iter_mut() {
-                    observer.step(&self.model, &self.state);
-                }
+        let result = workers.install(|| self.step_to_next_frame(observers));
+        self.failure = result.as_ref().err().cloned();
+        result
+    }
+
+    fn step_to_next_frame(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), StepError> {
+        let StepRule::Constant { steps_per_frame } = self.settings.step;
+        let step = constant_step(&self.settings);
+        for count in 1..=steps_per_frame {
+            let result = self.integrator.step(&self.model, &mut self.state, step);
+            let passed = self.frame_index as f64 + count as f64 / steps_per_frame as f64;
+            self.state.time = passed / self.settings.frame_rate;
+            result?;
+            for observer in observers.iter_mut() {
+                observer.step(&self.model, &self.state);
             }
-            self.integrator.eval_velocities(&self.model, &self.state, &mut self.velocities);
-            // Forces overflow earlier than positions do; a frame must not show it.
-            if let Some(particle) = self.velocities.iter().position(|velocity| !velocity.is_finite()) {
-                return Err(StepError::NotFinite { particle, time: self.state.time });
-            }
-            self.frame_index += 1;
-            self.observe(observers);
-            Ok(())
-        })
+        }
+        self.integrator.eval_velocities(&self.model, &self.state, &mut self.velocities);
+        // Forces overflow earlier than positions do; a frame must not show it.
+        if let Some(particle) = self.velocities.iter().position(|velocity| !velocity.is_finite()) {
+            return Err(StepError::NotFinite { particle, time: self.state.time });
+        }
+        self.frame_index += 1;
+        self.observe(observers);
+        Ok(())
     }
 }
 
@@ -151,11 +197,12 @@ fn check_step(
     workers: &Workers,
 ) -> Result<(), SimulationError> {
     let step = constant_step(settings);
-    if step <= guaranteed_stable_step(model, state) {
+    // At the limit itself the fastest mode grows with every step.
+    if step < guaranteed_stable_step(model, state) {
         return Ok(());
     }
     let largest = largest_stable_step(model, state, workers);
-    if step <= largest {
+    if step < largest {
         return Ok(());
     }
     let suggestion = suggested_step(settings.frame_rate, largest);

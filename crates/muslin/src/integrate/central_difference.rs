@@ -20,7 +20,7 @@ use crate::{Model, Points, PointsMut, State};
 ///
 /// For h⁻ = h⁺ = h this is v⁺ = [(2m − k_d h) v⁻ + 2h F] / (2m + k_d h), the paper's equation (5) in exact arithmetic:
 /// (B + C) S⁺ = 2B S − (B − C) S⁻ + F with B = m/h², C = k_d/2h. It is of second order in the step, and stable as long
-/// as ω h ≤ 2 for the fastest mode ω, whatever the drag.
+/// as ω h < 2 for the fastest mode ω, whatever the drag; but above k_d h = 2m velocities change sign from step to step.
 ///
 /// # Start
 /// h⁻ = 0 with v⁻ the initial velocity is the consistent start, S₁ = S₀ + h v₀ + h²/2m (F₀ − k_d v₀). The paper's
@@ -33,23 +33,13 @@ use crate::{Model, Points, PointsMut, State};
 pub struct CentralDifference {
     workers: Workers,
     forces: Points,
-    factors: Factors,
-}
-
-/// What turns velocity and force of a particle into its next velocity, for one pair of steps; zero for a pin.
-#[derive(Debug, Default)]
-struct Factors {
-    last_step: f64,
-    step: f64,
-    velocity: Vec<f64>,
-    force: Vec<f64>,
 }
 
 impl CentralDifference {
     /// The method for any model, on `workers`.
     #[must_use]
     pub fn new(workers: Workers) -> Self {
-        Self { workers, forces: Points::default(), factors: Factors::default() }
+        Self { workers, forces: Points::default() }
     }
 
     /// Prepares a `state` at its initial time, positions and velocities for a first step of `step` [s].
@@ -81,46 +71,77 @@ impl CentralDifference {
     }
 }
 
+/// The sizes of the step that led here and of the next one [s].
+#[derive(Clone, Copy, Debug)]
+struct Steps {
+    last: f64,
+    next: f64,
+}
+
+/// How many particles have their factors at hand at a time, in a core's first-level cache.
+const CHUNK: usize = 256;
+
+/// What turns velocity and force of some particles into their next velocity; zero for a pin.
+struct Factors {
+    velocity: [f64; CHUNK],
+    force: [f64; CHUNK],
+}
+
 impl Factors {
-    /// Makes the factors those of a step of `step` [s] after one of `last_step` [s].
-    fn set_steps(&mut self, particles: &Particles, last_step: f64, step: f64) {
-        if self.last_step == last_step && self.step == step && self.velocity.len() == particles.len() {
-            return;
-        }
-        (self.last_step, self.step) = (last_step, step);
-        self.velocity.resize(particles.len(), 0.0);
-        self.force.resize(particles.len(), 0.0);
-        let factors = self.velocity.iter_mut().zip(&mut self.force);
-        let constants = particles.masses().iter().zip(particles.drags()).zip(particles.pinned());
-        for ((velocity, force), ((mass, drag), pinned)) in factors.zip(constants) {
+    const ZERO: Self = Self { velocity: [0.0; CHUNK], force: [0.0; CHUNK] };
+
+    /// Overwrites the first factors with those of the particles `range`.
+    fn eval(&mut self, particles: &Particles, range: Range<usize>, steps: Steps) {
+        let constants = particles.masses()[range.clone()]
+            .iter()
+            .zip(&particles.drags()[range.clone()])
+            .zip(&particles.pinned()[range]);
+        for (((mass, drag), pinned), (velocity, force)) in
+            constants.zip(self.velocity.iter_mut().zip(&mut self.force))
+        {
             let twice_mass = 2.0 * mass;
-            let denominator = twice_mass + drag * last_step;
-            if *pinned {
-                (*velocity, *force) = (0.0, 0.0);
-            } else {
-                *velocity = (twice_mass - drag * step) / denominator;
-                // h⁻/2m · velocity factor + h⁺/2m, without the cancellation for h⁻ = h⁺.
-                *force = (last_step + step) / denominator;
-            }
+            let denominator = twice_mass + drag * steps.last;
+            let factors =
+                ((twice_mass - drag * steps.next) / denominator, (steps.last + steps.next) / denominator);
+            // The second is h⁻/2m · velocity factor + h⁺/2m, without its cancellation.
+            (*velocity, *force) = if *pinned { (0.0, 0.0) } else { factors };
         }
     }
+}
+
+/// Moves the particles of `block`, whose forces [N] are `forces` of all; whether all positions stay finite.
+fn move_block(
+    particles: &Particles,
+    steps: Steps,
+    block: &Range<usize>,
+    [positions, velocities]: [PointsMut<'_>; 2],
+    forces: &Points,
+) -> bool {
+    let mut factors = Factors::ZERO;
+    let mut finite = true;
+    for first in (0..block.len()).step_by(CHUNK) {
+        let own = first..block.len().min(first + CHUNK);
+        let range = block.start + own.start..block.start + own.end;
+        factors.eval(particles, range.clone(), steps);
+        for (positions, velocities, forces) in [
+            (&mut *positions.x, &mut *velocities.x, &forces.x),
+            (&mut *positions.y, &mut *velocities.y, &forces.y),
+            (&mut *positions.z, &mut *velocities.z, &forces.z),
+        ] {
+            let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
+            finite &= move_axis(positions, velocities, &forces[range.clone()], &factors, steps.next);
+        }
+    }
+    finite
 }
 
 impl Integrator for CentralDifference {
     fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
         self.eval_forces(model, state);
-        self.factors.set_steps(model.particles(), state.last_step, step);
-        let (forces, factors) = (&self.forces, &self.factors);
-        let move_block = |block: &Range<usize>, [positions, velocities]: [PointsMut<'_>; 2]| {
-            let factors = [&factors.velocity[block.clone()], &factors.force[block.clone()]];
-            let axes = [
-                (positions.x, velocities.x, &forces.x),
-                (positions.y, velocities.y, &forces.y),
-                (positions.z, velocities.z, &forces.z),
-            ];
-            axes.into_iter().fold(true, |finite, (positions, velocities, forces)| {
-                finite & move_axis(positions, velocities, &forces[block.clone()], factors, step)
-            })
+        let steps = Steps { last: state.last_step, next: step };
+        let forces = &self.forces;
+        let move_block = |block: &Range<usize>, arrays: [PointsMut<'_>; 2]| {
+            move_block(model.particles(), steps, block, arrays, forces)
         };
         let arrays = [state.positions.as_mut(), state.velocities.as_mut()];
         let finite = self.workers.all_blocks(model.blocks(), arrays, &move_block);
@@ -160,12 +181,12 @@ fn move_axis(
     positions: &mut [f64],
     velocities: &mut [f64],
     forces: &[f64],
-    [velocity_factors, force_factors]: [&[f64]; 2],
+    factors: &Factors,
     step: f64,
 ) -> bool {
     let count = positions.len();
     let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
-    let (velocity_factors, force_factors) = (&velocity_factors[..count], &force_factors[..count]);
+    let (velocity_factors, force_factors) = (&factors.velocity[..count], &factors.force[..count]);
     let mut finite = true;
     for i in 0..count {
         let velocity = velocity_factors[i] * velocities[i] + force_factors[i] * forces[i];

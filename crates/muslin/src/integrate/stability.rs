@@ -38,14 +38,17 @@ pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
         }
         for (bound, particle) in bounds.iter().zip(block.clone()) {
             if !particles.pinned()[particle] {
-                largest = largest.max(bound / particles.masses()[particle]);
+                let square = bound / particles.masses()[particle];
+                // `max` would pass over what is not a number.
+                largest = if square.is_nan() { f64::INFINITY } else { largest.max(square) };
             }
         }
     }
     2.0 / largest.sqrt()
 }
 
-/// The largest stable step h = 2 / ω [s] at the state's time and positions; +∞ if nothing is stiff.
+/// The largest stable step h = 2 / ω [s] at the state's time and positions; +∞ if nothing is stiff, 0 if the stiffness is
+/// beyond all numbers.
 ///
 /// ω² is the largest eigenvalue of `M^(−1/2) K M^(−1/2)` over the free particles, by Lanczos iteration from a fixed
 /// start vector: exact to round-off for small models, too large a step by less than 0.1 % for large ones. In shapes that
@@ -68,6 +71,9 @@ pub fn largest_stable_step(model: &Model, state: &State, workers: &Workers) -> f
         combine(&mut product, -beta_before, &previous);
         diagonal.push(alpha);
         let beta = dot(&product, &product).sqrt();
+        if !(alpha.is_finite() && beta.is_finite()) {
+            return 0.0;
+        }
         let is_exhausted = beta <= 1e-12 * alpha.abs().max(beta_before);
         if is_exhausted || step % CHECK_INTERVAL == 0 || step == MAX_LANCZOS_STEPS {
             let before = std::mem::replace(&mut eigenvalue, largest_eigenvalue(&diagonal, &off_diagonal));

@@ -122,6 +122,10 @@ impl EnergyLedger {
 
 impl Observer for EnergyLedger {
     fn step(&mut self, model: &Model, state: &State) {
+        assert!(
+            self.initial.is_some(),
+            "an energy ledger sees the first frame before any step: call `Simulation::observe`"
+        );
         self.current.drag_loss += drag_power(model, state) * state.last_step;
         if eval_external_forces(model, state, &mut self.external_after) {
             let power = mean_power(&self.external_before, &self.external_after, &state.velocities);

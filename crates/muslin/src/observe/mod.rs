@@ -27,7 +27,8 @@ pub struct Frame<'a> {
     pub velocities: &'a Points,
 }
 
-/// Something that looks at a run.
+/// Something that looks at a run: the first frame (see [`Simulation::observe`](crate::Simulation::observe)), then every step
+/// and every frame that is reached.
 pub trait Observer: Send {
     /// Looks at `state` after a step of [`State::last_step`].
     fn step(&mut self, model: &Model, state: &State) {

@@ -281,7 +281,7 @@ pub enum ExpectedQuantity {
     MaxStrain,
     /// `lowest_point` [m]: height of the lowest particle in the last frame.
     LowestPoint,
-    /// `energy_residual` [1]: largest residual of the energy ledger relative to its largest term.
+    /// `energy_residual` [1]: largest residual of the energy ledger relative to the largest change of any term.
     EnergyResidual,
 }
 

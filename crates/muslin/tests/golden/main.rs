@@ -167,7 +167,8 @@ fn bits_do_not_depend_on_resuming() {
                     Simulation::integrator(&scene, Workers::single()),
                     state,
                     index,
-                );
+                )
+                .unwrap_or_else(|error| panic!("{error}"));
                 resumed = Recorder::resume(part.model(), part.frame().state, steps, strains, frames);
             }
         }

@@ -26,7 +26,7 @@ fn hanging_cloth_accounts_for_its_energy_at_half_the_stable_step() {
     assert!(numbers.step() < 0.5 * largest && 0.5 * largest < hanging(6).step(), "{largest} s");
     for numbers in [hanging(6), numbers] {
         let residual = residual(&numbers);
-        assert!(residual < 1e-3, "{residual:e} of the largest term at {} s", numbers.step());
+        assert!(residual < 1e-3, "{residual:e} of the largest change at {} s", numbers.step());
     }
 }
 

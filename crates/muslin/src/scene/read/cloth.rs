@@ -66,7 +66,7 @@ fn read_cloth(
     Ok(ClothSettings {
         name: name.string()?.to_owned(),
         fabric: fabric.string()?.to_owned(),
-        place: read_place(place)?,
+        place: read_place(place, grid)?,
         pins: read_pins(pins, grid)?,
         grid,
     })
@@ -117,7 +117,10 @@ fn read_extent(entry: Entry, count: u64) -> Result<f64, SceneError> {
     Ok(0.0)
 }
 
-fn read_place(entry: Entry) -> Result<Placement, SceneError> {
+/// Rounding of positions relative to the distance of neighbours, at most.
+const ROUNDING_TOLERANCE: f64 = 1e-9;
+
+fn read_place(entry: Entry, grid: GridSettings) -> Result<Placement, SceneError> {
     const HELP: &str =
         "write `place = { origin = [0, 1, 0], width_axis = [1, 0, 0], height_axis = [0, 0, 1] }`";
     let mut table = entry.required("", HELP)?.table(HELP)?;
@@ -126,6 +129,8 @@ fn read_place(entry: Entry) -> Result<Placement, SceneError> {
     let height_axis = table.take("height_axis");
     table.finish()?;
 
+    let origin = origin.required("m", "write `origin = [x, y, z]`")?;
+    check_rounding(&origin, grid)?;
     let height_axis = height_axis.required("", "write `height_axis = [x, y, z]`, of any length but zero")?;
     let place = Placement {
         origin: origin.vector("m")?,
@@ -144,6 +149,27 @@ fn read_place(entry: Entry) -> Result<Placement, SceneError> {
         }));
     }
     Ok(place)
+}
+
+/// Checks that positions around `origin` are fine enough for the springs of `grid`.
+fn check_rounding(origin: &Value, grid: GridSettings) -> Result<(), SceneError> {
+    let distance = origin.vector("m")?.abs().max_element();
+    let spacing =
+        |extent: f64, count: usize| if count == 1 { f64::INFINITY } else { extent / (count - 1) as f64 };
+    let smallest = spacing(grid.width, grid.columns).min(spacing(grid.height, grid.rows));
+    let rounding = f64::EPSILON * (distance + grid.width + grid.height);
+    if rounding <= ROUNDING_TOLERANCE * smallest {
+        return Ok(());
+    }
+    Err(origin.error(SceneErrorKind::Inconsistent {
+        message: format!(
+            "`{}` is {distance:e} m from the origin of space, where positions are known to {rounding:.0e} m only, but \
+             particles are {} m apart",
+            origin.path,
+            rounded(smallest)
+        ),
+        help: "place the cloth near [0, 0, 0]".to_owned(),
+    }))
 }
 
 /// The height axis nearest to that of `place` which is perpendicular to its width axis, if there is one.

@@ -12,7 +12,8 @@ const QUANTITIES: [(ExpectedQuantity, &str, &str); 3] = [
     (ExpectedQuantity::EnergyResidual, "energy_residual", ""),
 ];
 
-pub(super) fn read(entry: Entry) -> Result<Vec<Expectation>, SceneError> {
+/// Reads the expectations of a scene that `has_structural_springs` or not.
+pub(super) fn read(entry: Entry, has_structural_springs: bool) -> Result<Vec<Expectation>, SceneError> {
     let Some(value) = entry.optional() else {
         return Ok(Vec::new());
     };
@@ -23,6 +24,11 @@ pub(super) fn read(entry: Entry) -> Result<Vec<Expectation>, SceneError> {
     let mut expectations = Vec::new();
     for (quantity, unit, line) in lines {
         if let Some(line) = line.optional() {
+            if quantity == ExpectedQuantity::MaxStrain && !has_structural_springs {
+                let message = format!("`{}` is of structural springs, but no cloth has any", line.path);
+                let help = "leave it out".to_owned();
+                return Err(line.error(SceneErrorKind::Inconsistent { message, help }));
+            }
             let range = read_range(line.clone(), unit)?;
             expectations.push((line.span.start, Expectation { quantity, range }));
         }

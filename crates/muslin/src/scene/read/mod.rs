@@ -11,6 +11,7 @@ mod value;
 use toml::de::DeTable;
 
 use self::table::Table;
+use super::Fabric;
 use super::error::{SceneError, SceneErrorKind};
 use super::{MAX_SCENE_BYTES, Scene};
 
@@ -42,7 +43,11 @@ impl Scene {
         let environment = environment::read(environment, run.duration)?;
         let fabrics = fabric::read(fabrics)?;
         let cloths = cloth::read(cloths, &fabrics)?;
-        let expectations = expect::read(expectations)?;
+        let has_structural_springs = cloths.iter().any(|cloth| {
+            let Fabric::Springs(fabric) = &fabrics[&cloth.fabric];
+            0.0 < fabric.structural.stiffness && 1 < cloth.grid.columns.max(cloth.grid.rows)
+        });
+        let expectations = expect::read(expectations, has_structural_springs)?;
         Ok(Self { title, run, environment, fabrics, cloths, expectations })
     }
 }

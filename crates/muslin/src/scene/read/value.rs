@@ -25,6 +25,9 @@ pub(super) enum NumberRule {
     Positive,
 }
 
+/// Sizes between which quantities lie unless they are zero: their squares, quotients and sums stay numbers.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
 impl<'t> Value<'t> {
     /// `kind` at this value's place.
     pub(super) fn error(&self, kind: SceneErrorKind) -> SceneError {
@@ -65,7 +68,8 @@ impl<'t> Value<'t> {
         self.error(SceneErrorKind::NotAvailable { key: self.path.clone(), what, help })
     }
 
-    /// A finite number [`unit`] within `rule`, never -0. Integers are numbers.
+    /// A finite number [`unit`] within `rule` and, if it is a quantity, of a size within [`SIZES`]; never -0. Integers are
+    /// numbers.
     pub(super) fn number(&self, unit: &'static str, rule: NumberRule) -> Result<f64, SceneError> {
         let number = match self.value {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -89,6 +93,13 @@ impl<'t> Value<'t> {
         let Some(number) = number.filter(|number| number.is_finite()) else {
             return Err(self.out_of_range(unit, rule_text, ""));
         };
+        let is_quantity = rule != NumberRule::Finite || !unit.is_empty();
+        if is_quantity && *SIZES.end() < number.abs() {
+            return Err(self.out_of_range(unit, "be at most 1e30 in size", ""));
+        }
+        if rule != NumberRule::Finite && 0.0 < number && number < *SIZES.start() {
+            return Err(self.out_of_range(unit, "be at least 1e-30 in size", ""));
+        }
         match rule {
             NumberRule::NotNegative if number < 0.0 => Err(self.out_of_range(unit, "not be negative", "")),
             NumberRule::Positive if number <= 0.0 => Err(self.out_of_range(unit, "be positive", "")),

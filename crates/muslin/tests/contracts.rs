@@ -1,0 +1,134 @@
+//! What types and functions promise to whoever calls them from outside.
+
+mod common;
+
+use common::{ClothNumbers, SceneNumbers, WindNumbers, finish, model_and_state};
+use muslin::force::{Configuration, StrainSums};
+use muslin::integrate::StepError;
+use muslin::integrate::{CentralDifference, Integrator, Workers};
+use muslin::observe::{EnergyLedger, Observer, Recorder};
+use muslin::{Points, Simulation, SimulationError, State};
+
+/// A cloth of 4 x 3 particles of `mass` [kg] and `drag` [kg/s].
+fn small(mass: f64, drag: f64) -> SceneNumbers {
+    SceneNumbers {
+        cloths: vec![ClothNumbers {
+            columns: 4,
+            rows: 3,
+            pins: vec![(0, 0)],
+            mass,
+            drag,
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// A method serves any model: nothing of the last one is left, even if the next has as many particles.
+#[test]
+fn one_method_can_step_several_models() {
+    let (light, heavy) = (model_and_state(&small(0.002, 0.0)), model_and_state(&small(0.2, 0.5)));
+    let mut shared = CentralDifference::new(Workers::single());
+    let mut light_state = light.1.clone();
+    for _ in 0..3 {
+        shared.step(&light.0, &mut light_state, 1e-3).unwrap();
+    }
+    let [mut found, mut expected] = [heavy.1.clone(), heavy.1];
+    for _ in 0..3 {
+        shared.step(&heavy.0, &mut found, 1e-3).unwrap();
+    }
+    let mut own = CentralDifference::new(Workers::single());
+    for _ in 0..3 {
+        own.step(&heavy.0, &mut expected, 1e-3).unwrap();
+    }
+    assert_eq!(found, expected);
+}
+
+fn resumed(state: State, frame_index: u64) -> Result<Simulation, SimulationError> {
+    let scene = small(0.002, 0.002).scene();
+    Simulation::resume(&scene, Simulation::integrator(&scene, Workers::single()), state, frame_index)
+}
+
+#[test]
+fn a_run_goes_on_only_from_a_state_that_it_can_have_reached() {
+    let reason = |state: State, frame_index: u64| match resumed(state, frame_index) {
+        Ok(_) => panic!("accepted"),
+        Err(error) => error.to_string(),
+    };
+    let state = State::at_rest(Points::zeros(12));
+    assert!(resumed(state.clone(), 0).is_ok());
+    assert_eq!(
+        reason(State::at_rest(Points::zeros(9)), 0),
+        "a run cannot go on from this state: it has 9 positions, but the scene has 12 particles"
+    );
+    let mut short = state.clone();
+    short.velocities = Points::zeros(13);
+    assert_eq!(
+        reason(short, 0),
+        "a run cannot go on from this state: it has 13 velocities, but the scene has 12 particles"
+    );
+    assert_eq!(
+        reason(state.clone(), 7),
+        "a run cannot go on from this state: it is at 0 s, but frame 7 is at 0.14 s"
+    );
+    assert_eq!(
+        reason(state, 99),
+        "a run cannot go on from this state: it is of frame 99, but the last is 50"
+    );
+}
+
+#[test]
+fn a_failed_run_stays_failed_and_a_finished_one_finished() {
+    let unstable = SceneNumbers {
+        frame_intervals: 1000,
+        steps_per_frame: 1,
+        allow_unstable: true,
+        ..small(0.002, 0.002)
+    };
+    let mut simulation = unstable.simulation();
+    let failure =
+        (0..1000).find_map(|_| simulation.advance(&mut []).err()).expect("20 ms are beyond the stable step");
+    let StepError::NotFinite { time, .. } = failure else { panic!("{failure}") };
+    assert_eq!(simulation.advance(&mut []), Err(failure));
+    assert!(time <= simulation.frame().state.time);
+
+    let mut simulation = SceneNumbers { frame_intervals: 2, ..small(0.002, 0.002) }.simulation();
+    finish(&mut simulation, &mut Recorder::default());
+    let last = simulation.frame().state.clone();
+    assert_eq!(simulation.advance(&mut []), Ok(()));
+    assert_eq!((simulation.frame().index, simulation.frame().state), (2, &last));
+}
+
+#[test]
+#[should_panic(expected = "call `Simulation::observe`")]
+fn a_ledger_must_see_the_first_frame() {
+    let wind = WindNumbers {
+        amplitude: 0.01,
+        angular_frequency: 1.0,
+        phase: 0.0,
+        direction: [1.0, 0.0, 0.0],
+        noise: [0.0; 2],
+    };
+    let mut simulation = SceneNumbers { winds: vec![wind], ..small(0.002, 0.002) }.simulation();
+    let _ = simulation.advance(&mut [&mut EnergyLedger::default() as &mut dyn Observer]);
+}
+
+/// The cheap maxima of every step are those of the full statistics, for rows shorter and longer than vector registers.
+#[test]
+fn largest_strains_are_the_same_by_both_ways() {
+    for columns in [2, 5, 8, 9, 17, 33] {
+        let cloth = ClothNumbers { columns, rows: 6, pins: vec![(0, 0)], ..ClothNumbers::default() };
+        let numbers = SceneNumbers { frame_intervals: 5, cloths: vec![cloth], ..SceneNumbers::default() };
+        let mut simulation = numbers.simulation();
+        finish(&mut simulation, &mut Recorder::default());
+        let (model, state) = (simulation.model(), simulation.frame().state);
+        let at = Configuration { time: 0.0, particles: model.particles(), positions: &state.positions };
+        let (mut sums, mut maxima) = ([StrainSums::default(); 3], [f64::NEG_INFINITY; 3]);
+        for force in model.forces() {
+            force.add_strains(at, &mut sums);
+            force.raise_max_strains(at, &mut maxima);
+        }
+        assert!(sums[0].max > 0.0);
+        assert_eq!(maxima, sums.map(|sums| sums.max), "{columns} columns");
+    }
+}
