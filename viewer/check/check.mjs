@@ -6,7 +6,7 @@ import { parseArgs } from "node:util";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const SIZES = { phone: [390, 844], desktop: [1920, 1080], large: [2560, 1440] };
+const SIZES = { phone: [390, 844], landscape: [844, 390], desktop: [1920, 1080], large: [2560, 1440] };
 // Software rendering, so that the check needs no graphics card.
 const FLAGS = [
   "--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking",
@@ -158,7 +158,8 @@ async function checkWorking() {
       return data.filter((value, i) => i % 4 === 3 && value !== 0).length / (data.length / 4);
     }),
   );
-  const expected = (0 < run.energies.length) + (0 < run.strains.length);
+  const plotted = (series) => series.some(({ values }) => values.some((value) => value !== null && value !== 0));
+  const expected = plotted(run.energies) + plotted(run.strains);
   check(inks.length === expected && inks.every((ink) => 0.002 < ink), `${expected} plots are drawn (${inks.map(percent)})`);
   check(complaints.length === 0, `no errors, warnings or requests ${complaints.join("; ")}`);
   await page.context().close();
@@ -186,6 +187,11 @@ async function checkSizes() {
         await page.mouse.move(2, 2);
         await page.waitForTimeout(700);
         await settle(page);
+        if (coloured) {
+          const labels = await page.locator("#legend li").evaluateAll((marks) => marks.map((mark) => mark.getBoundingClientRect()));
+          const apart = labels.every(({ left }, i) => i === 0 || labels[i - 1].right < left);
+          check(apart, `${name}, ${colorScheme}: the labels of the legend stand apart`);
+        }
         const path = `${values.shots}/${name}-${colorScheme}${coloured ? "-strain" : ""}.png`;
         if (values.shots) await page.screenshot({ path, fullPage: phone });
       }

@@ -7,6 +7,7 @@ import {
 } from "three";
 import { colourStrains } from "./colour";
 import type { Motion } from "./motion";
+import { pieceExtents } from "./pieces";
 
 const FRONT = "#f6f2ea";
 const BACK = "#e9e1d3";
@@ -14,8 +15,13 @@ const BACK = "#e9e1d3";
 const BACK_OF_COLOURED = "#efeae1";
 const THREAD = "#b39c7c";
 const PIN = "#a5483a";
-/** Radius of a pin [units]. */
+/** Radius of a pin [units], and the most of it as a share of what it holds. */
 const PIN_RADIUS = 0.013;
+const PIN_SHARE = 0.03;
+/** Radius of a lone particle [units]. */
+const LONE_RADIUS = 0.03;
+/** Radius of a pin over that of the bead it hides. */
+const PIN_OVER_BEAD = 1.3;
 /** Soft brightening of grazed fibres. */
 const SHEEN = 0.3;
 
@@ -34,6 +40,7 @@ export class Cloth {
   readonly #pins: InstancedMesh;
   readonly #beadVertices: Uint32Array;
   readonly #beadRadius: number;
+  readonly #pinRadii: number[];
   #coloured = false;
 
   constructor(motion: Motion) {
@@ -61,14 +68,18 @@ export class Cloth {
     motion.moveTo(0);
     const spacing = meanLength(motion.positions, 0 < lines.length ? lines : edges(triangles));
     this.#beadVertices = Uint32Array.from(new Set([...lines, ...points]));
-    this.#beadRadius = 0 < lines.length ? Math.min(0.016, 0.28 * spacing) : 0.03;
+    this.#beadRadius = 0 < lines.length ? Math.min(0.016, 0.28 * spacing) : LONE_RADIUS;
     const ball = new SphereGeometry(1, 20, 14);
     this.#beads = this.#instances(ball, THREAD, this.#beadVertices.length);
     this.#threads = this.#instances(new CylinderGeometry(1, 1, 1, 10, 1, true), THREAD, lines.length / 2);
     // Many pins stand side by side, each no wider than its place.
     const pinRadius = pins.length <= 12 ? PIN_RADIUS : Math.min(PIN_RADIUS, Math.max(0.5 * spacing, 0.3 * PIN_RADIUS));
     this.#pins = this.#instances(ball, PIN, pins.length);
-    this.#pins.userData.radius = Math.max(pinRadius, 0 < lines.length ? 1.3 * this.#beadRadius : 0);
+    const extents = pieceExtents(motion.positions, [triangles, 3], [lines, 2]);
+    const beads = new Set(this.#beadVertices);
+    this.#pinRadii = Array.from(pins, (vertex) => {
+      return beads.has(vertex) ? PIN_OVER_BEAD * this.#beadRadius : Math.min(pinRadius, PIN_SHARE * extents[vertex]);
+    });
   }
 
   /** Whether there are faces whose mesh can be shown. */
@@ -131,7 +142,7 @@ export class Cloth {
       ball(this.#beads, i, vertex, this.#beadRadius);
       this.#beads.setColorAt(i, colourOf(vertex));
     });
-    motion.frames.pins.forEach((vertex, i) => ball(this.#pins, i, vertex, this.#pins.userData.radius));
+    motion.frames.pins.forEach((vertex, i) => ball(this.#pins, i, vertex, this.#pinRadii[i]));
     const { lines } = motion.frames;
     const [up, turn, width] = [new Vector3(0, 1, 0), new Quaternion(), 0.34 * this.#beadRadius];
     for (let i = 0; i < lines.length / 2; i++) {

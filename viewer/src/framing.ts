@@ -7,6 +7,8 @@ const SAMPLED_FRAMES = 24;
 const SAMPLED_VERTICES = 2500;
 /** Share of the picture that the run fills. */
 const FILL = 0.84;
+/** Least share of the picture's upper half that is left to the run below the buttons. */
+const LEAST_FILL = 0.4;
 const AZIMUTH = (28 * Math.PI) / 180;
 const ELEVATION = (14 * Math.PI) / 180;
 
@@ -44,32 +46,39 @@ export function sampleRun(motion: Motion): Samples {
   return { run, frame, direction };
 }
 
-/** Places `camera` along `direction` so that it sees all `points`; returns what it looks at. */
-export function frame(camera: PerspectiveCamera, points: Vector3[], direction: Vector3): Vector3 {
+/**
+ * Places `camera` along `direction` so that it sees all `points` below a strip that takes the share `strip` of the
+ * picture at its top; returns what it looks at.
+ */
+export function frame(camera: PerspectiveCamera, points: Vector3[], direction: Vector3, strip: number): Vector3 {
   const right = new Vector3().crossVectors(new Vector3(0, 1, 0), direction).normalize();
   const up = new Vector3().crossVectors(direction, right);
-  const vertical = Math.tan((camera.fov * Math.PI) / 360) * FILL;
-  const horizontal = vertical * camera.aspect;
-  // Along one axis of the picture, a point at `across` and `toward` is inside if |across - middle| is at most
-  // (distance - toward) * slope. The largest of across + slope * toward and the least of across - slope * toward
-  // give the middle and the distance.
-  const fit = (axis: Vector3, slope: number): [middle: number, distance: number] => {
+  const slope = Math.tan((camera.fov * Math.PI) / 360);
+  const [below, above] = [slope * FILL, slope * Math.max(Math.min(FILL, 1 - 2 * strip), LEAST_FILL)];
+  const beside = below * camera.aspect;
+  // Along one axis of the picture, a point at `across` and `toward` is inside if across - middle is at most
+  // (distance - toward) * up, and middle - across at most (distance - toward) * down. The largest of
+  // across + up * toward and the least of across - down * toward give the distance, and the middle for any that is
+  // not less.
+  const fit = (axis: Vector3, down: number, up: number) => {
     let [high, low] = [-Infinity, Infinity];
     for (const point of points) {
       const across = point.dot(axis);
-      const reach = slope * point.dot(direction);
-      high = Math.max(high, across + reach);
-      low = Math.min(low, across - reach);
+      const toward = point.dot(direction);
+      high = Math.max(high, across + up * toward);
+      low = Math.min(low, across - down * toward);
     }
-    return [(high + low) / 2, (high - low) / (2 * slope)];
+    const middle = (distance: number) => (high + low + (down - up) * distance) / 2;
+    return { distance: (high - low) / (down + up), middle };
   };
-  const [x, distanceX] = fit(right, horizontal);
-  const [y, distanceY] = fit(up, vertical);
+  const horizontal = fit(right, beside, beside);
+  const vertical = fit(up, below, above);
   const depths = points.map((point) => point.dot(direction));
   const [near, far] = depths.reduce(([a, b], depth) => [Math.max(a, depth), Math.min(b, depth)], [-Infinity, Infinity]);
   const depth = (near + far) / 2;
   // A lone point has no size: stay a little away from it.
-  const distance = Math.max(distanceX, distanceY, near + 0.5);
+  const distance = Math.max(horizontal.distance, vertical.distance, near + 0.5);
+  const [x, y] = [horizontal.middle(distance), vertical.middle(distance)];
   const target = right.multiplyScalar(x).addScaledVector(up, y).addScaledVector(direction, depth);
   camera.position.copy(target).addScaledVector(direction, distance - depth);
   return target;

@@ -3,14 +3,18 @@
 import { length, prefix } from "./format";
 import { Motion } from "./motion";
 import { Player } from "./player";
-import { Plot } from "./plots";
+import { Plot, isShown } from "./plots";
 import { type RunDescription, readFrames, runFrame } from "./run";
+import { speedsFor, usualSpeed } from "./speeds";
 import { Stage, canDraw } from "./stage";
-import { showLegend, strainScale } from "./strain-scale";
+import { LEAST_STRAIN, showLegend, strainScale } from "./strain-scale";
 
 const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 
 function showFacts(run: RunDescription): void {
+  element("title").title = run.title;
+  element("notice").textContent = run.notice;
+  element("notice").hidden = !run.notice;
   for (const [name, value] of run.facts) {
     const fact = document.createElement("div");
     fact.append(
@@ -29,15 +33,15 @@ function ordinal(n: number): string {
 }
 
 function createPlots(run: RunDescription, player: Player): Plot[] {
-  const duration = Math.max((run.frameCount - 1) / run.frameRate, run.times[run.times.length - 1] ?? 0);
+  const duration = (run.frameCount - 1) / run.frameRate;
   const largest = run.energies.flatMap(({ values }) => values).reduce<number>((a, b) => Math.max(a, Math.abs(b ?? 0)), 0);
   const [factor, letter] = prefix(largest);
   const common = { times: run.times, duration, seek: (time: number) => player.seek(time) };
   const plots = [
-    { ...common, title: "Energy", unit: `${letter}J`, factor: 1 / factor, series: run.energies },
-    { ...common, title: "Strain", unit: "%", factor: 100, series: run.strains },
+    { ...common, title: "Energy", unit: `${letter}J`, factor: 1 / factor, least: 0, series: run.energies },
+    { ...common, title: "Strain", unit: "%", factor: 100, least: 100 * LEAST_STRAIN, series: run.strains },
   ];
-  return plots.filter(({ series }) => 0 < series.length).map((options) => new Plot(element("plots"), options));
+  return plots.filter(({ series }) => series.some(isShown)).map((options) => new Plot(element("plots"), options));
 }
 
 /** Play button, scrubber, clock and speed. */
@@ -48,6 +52,9 @@ function connectTransport(run: RunDescription, player: Player): void {
   scrub.max = String(duration || 1);
   scrub.disabled = play.disabled = duration === 0;
   element("duration").textContent = ` / ${duration.toFixed(digits)} s`;
+  const speeds = speedsFor(duration);
+  player.speed = usualSpeed(speeds, duration);
+  speed.replaceChildren(...speeds.map(({ name, value }) => new Option(name, String(value), false, value === player.speed)));
   play.addEventListener("click", () => player.toggle());
   scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
   speed.addEventListener("change", () => {
@@ -58,7 +65,7 @@ function connectTransport(run: RunDescription, player: Player): void {
     scrub.value = String(player.time);
     scrub.style.setProperty("--done", String(duration === 0 ? 0 : player.time / duration));
     element("time").textContent = player.time.toFixed(digits);
-    element("frame").textContent = `frame ${frame} of ${run.frameCount - 1}`;
+    element("frame").textContent = `frame ${frame + 1} of ${run.frameCount}`;
     play.classList.toggle("playing", player.playing);
     play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
   });
@@ -129,6 +136,7 @@ function connectStage(motion: Motion, player: Player): Stage {
   showLegend(element("legend"), scale);
   const { frameStride } = motion.run;
   const every = frameStride === 1 ? "" : `every ${ordinal(frameStride)} frame, `;
+  element("grid-note").hidden = !motion.hasExtent;
   element("grid-note").textContent = `${every}grid ${length(stage.gridSpacing)}`;
   const switchable = (id: string, get: () => boolean, set: (on: boolean) => void) => {
     const button = element(id);

@@ -40,6 +40,11 @@ export class Motion {
     this.strains = new Float32Array(frames.vertexCount);
   }
 
+  /** Whether anything has a size or moves. */
+  get hasExtent(): boolean {
+    return this.run.extent.some((extent) => 0 < extent);
+  }
+
   /** Time of the last frame [s]. */
   get duration(): number {
     return this.#times[this.#times.length - 1];

@@ -1,7 +1,7 @@
 // A plot of several quantities over time, with a cursor at the shown time that can be dragged.
 
 import uPlot from "uplot";
-import { number } from "./format";
+import { number, prefix } from "./format";
 import type { Series } from "./run";
 
 export interface PlotOptions {
@@ -13,6 +13,8 @@ export interface PlotOptions {
   series: Series[];
   /** Last time of the axis [s]. */
   duration: number;
+  /** Least extent of the vertical axis [unit]. */
+  least: number;
   seek: (time: number) => void;
 }
 
@@ -80,18 +82,20 @@ export class Plot {
     const font = `${size}px ${getComputedStyle(document.body).fontFamily}`;
     const axis = { stroke: () => colour("--ink-soft"), font, ticks: { show: false }, labelSize: 0, gap: 6 };
     const grid = { stroke: () => colour("--hairline"), width: 1 };
+    const [timeFactor, timeLetter] = this.#options.duration < 0.1 ? prefix(this.#options.duration) : [1, ""];
     const format = (splits: number[]) => splits.map((value) => number(value, 6));
     return new uPlot(
       {
         width: box.clientWidth,
         height: box.clientHeight,
-        padding: [8, size, 0, 0],
+        // The last label of the time axis reaches beyond its end by half.
+        padding: [8, 2.4 * size, 0, 0],
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false, range: () => [0, this.#options.duration || 1] }, y: { range: yRange } },
+        scales: { x: { time: false, range: () => [0, this.#options.duration || 1] }, y: { range: (_, low, high) => yRange(low, high, this.#options.least) } },
         axes: [
-          { ...axis, grid: { show: false }, size: size + 14, space: 5 * size, values: (_, splits) => format(splits).map((text) => `${text} s`) },
-          { ...axis, grid, size: 4.4 * size, space: 2.6 * size, values: (_, splits) => format(splits) },
+          { ...axis, grid: { show: false }, size: size + 14, space: 5 * size, values: (_, splits) => format(splits.map((time) => time / timeFactor)).map((text) => `${text} ${timeLetter}s`) },
+          { ...axis, grid, size: (_, texts) => gutter(texts, size), space: 2.6 * size, values: (_, splits) => format(splits) },
         ],
         series: [
           {},
@@ -142,10 +146,16 @@ export class Plot {
   }
 }
 
-/** Lines of a plot: a mean is dashed in the colour of its maximum, the residual has that of the text. */
+/** Whether a series has something to show. */
+export function isShown({ values }: Series): boolean {
+  return values.some((value) => value !== null && value !== 0);
+}
+
+/** Lines of a plot, those that are shown: a mean is dashed in the colour of its maximum, the residual has that of the text. */
 function linesOf({ series, factor }: PlotOptions): Line[] {
   const families: string[] = [];
-  return series.map(({ name, values }) => {
+  // What is left out keeps its colour, so that a quantity looks the same in all runs.
+  const lines = series.map(({ name, values }) => {
     const family = name.replace(/[ _-](max|mean)$/, "");
     if (!families.includes(family) && family !== "residual") families.push(family);
     return {
@@ -156,11 +166,19 @@ function linesOf({ series, factor }: PlotOptions): Line[] {
       reading: document.createElement("data"),
     };
   });
+  return lines.filter((_, i) => isShown(series[i]));
 }
 
-/** A range around the values and zero, also where there is none. */
-function yRange(_: uPlot, low: number | null, high: number | null): [number, number] {
-  const [bottom, top] = [Math.min(low ?? 0, 0), Math.max(high ?? 0, 0)];
+/** Width of the column in which `texts` stand beside a plot. */
+function gutter(texts: string[] | null, fontSize: number): number {
+  const longest = (texts ?? []).reduce((most, text) => Math.max(most, text.length), 0);
+  return Math.max(4.4 * fontSize, 0.62 * fontSize * longest + 12);
+}
+
+/** A range around the values and zero, at least `least` wide. */
+function yRange(low: number | null, high: number | null, least: number): [number, number] {
+  const bottom = Math.min(low ?? 0, 0);
+  const top = Math.max(high ?? 0, 0, bottom + least);
   const margin = 0.06 * (top - bottom) || 1;
   return [bottom < 0 ? bottom - margin : 0, top + margin];
 }

@@ -8,6 +8,8 @@ export interface Series {
 
 export interface RunDescription {
   title: string;
+  /** What the reader must know first, such as why the run stopped. */
+  notice: string | null;
   facts: [string, string][];
   /** Frames of the run per simulated second [1/s]. */
   frameRate: number;

@@ -13,6 +13,8 @@ import type { Motion } from "./motion";
 
 /** How many times longer than the cloth a run's way must be for the view to follow it from the start. */
 const FOLLOW_FROM = 2.5;
+/** Height of the strip that belongs to the buttons [rem]. */
+const BUTTONS = 3.6;
 
 /** Whether the browser can draw in space. */
 export function canDraw(): boolean {
@@ -54,7 +56,9 @@ export class Stage {
     const { runExtent, run, unit } = motion;
     this.gridSpacing = roundDown(0.12 * unit);
     const spacing = this.gridSpacing / unit;
-    const zero = [0, 2].map((axis) => -(run.low[axis] / unit + runExtent[axis] / 2) % (5 * spacing));
+    // Without an extent the unit says nothing, and no place is a whole number of it.
+    const zeroAlong = (axis: number) => -(run.low[axis] / unit + runExtent[axis] / 2) % (5 * spacing);
+    const zero = [0, 2].map((axis) => (motion.hasExtent ? zeroAlong(axis) : 0));
     const ground = -runExtent[1] / 2 - 0.03;
     this.#floor = new Floor(ground, spacing, new Vector2(...zero));
     this.#staff = new Staff(ground, runExtent[1] + 0.5, spacing, this.#samples.direction);
@@ -106,7 +110,9 @@ export class Stage {
     this.#controls.update();
     this.#controls.enableDamping = true;
     const points = this.#following ? this.#samples.frame : this.#samples.run;
-    const target = frame(this.#camera, points, this.#samples.direction);
+    const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const strip = (BUTTONS * rem) / Math.max(this.#canvas.clientHeight, 1);
+    const target = frame(this.#camera, points, this.#samples.direction, strip);
     this.#centre.set(...this.#motion.centre);
     if (this.#following) {
       target.add(this.#centre);

@@ -7,6 +7,10 @@ import { strainOfStep } from "./run";
 
 /** Share of all strains that the colours tell apart; those beyond, often at a pin, have the last colour. */
 const COVERED = 0.99;
+/** Least strain [1] at which colours are full or a plot ends: what is far below is round-off. */
+export const LEAST_STRAIN = 1e-6;
+/** Characters for which there is room between the end of the legend and the middle of its half. */
+const ROOM = 7;
 
 export interface StrainScale {
   /** Strain [1] at which colours are full, a round number. */
@@ -28,7 +32,7 @@ export function strainScale(motion: Motion): StrainScale {
   }
   const { run } = motion;
   // A cloth that is strained nowhere, or hardly anywhere, has a scale all the same.
-  const limit = roundUp(strainOfStep(run, size) || run.largestStrain || 0.01);
+  const limit = Math.max(roundUp(strainOfStep(run, size) || run.largestStrain || 0.01), LEAST_STRAIN);
   const beyond = (sign: number) => counts.some((count, i) => 0 < count && limit < sign * strainOfStep(run, i - 128));
   return { limit, below: beyond(-1), above: beyond(1) };
 }
@@ -36,10 +40,13 @@ export function strainScale(motion: Motion): StrainScale {
 /** Fills the legend. */
 export function showLegend(legend: HTMLElement, { limit, below, above }: StrainScale): void {
   (legend.querySelector(".scale") as HTMLElement).style.background = strainGradient();
-  const marks = [-1, -0.5, 0, 0.5, 1].map((share) => {
-    const text = `${0 < share ? "+" : ""}${number(100 * share * limit)}`;
+  const textAt = (share: number) => {
     const beyond = share === -1 && below ? "≤ " : share === 1 && above ? "≥ " : "";
-    const mark = Object.assign(document.createElement("li"), { textContent: `${beyond}${text}` });
+    return `${beyond}${0 < share ? "+" : ""}${number(100 * share * limit)}`;
+  };
+  const hasRoom = [-1, 1].every((end) => textAt(end).length + textAt(end / 2).length / 2 <= ROOM);
+  const marks = (hasRoom ? [-1, -0.5, 0, 0.5, 1] : [-1, 0, 1]).map((share) => {
+    const mark = Object.assign(document.createElement("li"), { textContent: textAt(share) });
     mark.style.setProperty("--at", `${50 + 50 * share}%`);
     return mark;
   });

@@ -211,6 +211,7 @@ fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::R
     let strains = strain_series(frames).into_iter().filter(|(name, _)| !name.ends_with("_min"));
     ViewInfo {
         title: scene.title().to_owned(),
+        notice: None,
         frame_rate: settings.frame_rate,
         facts,
         times: frames.iter().map(|frame| frame.time).collect(),

@@ -26,6 +26,7 @@ fn main() -> io::Result<()> {
     let fact = |name: &str, value: String| (name.to_owned(), value);
     let info = ViewInfo {
         title: motion.title().to_owned(),
+        notice: None,
         frame_rate: FRAME_RATE,
         facts: vec![
             fact("particles", frames[0].len().to_string()),

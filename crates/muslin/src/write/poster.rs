@@ -4,7 +4,10 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 
-use super::raster::{Camera, Mesh, Picture, add_lone_particle, add_pins, add_shape, draw};
+use super::raster::{
+    BEAD_RADIUS, Camera, LONE_BEAD_RADIUS, Material, Mesh, Picture, add_lone_particle, add_pins, add_shape,
+    draw,
+};
 use crate::Points;
 use crate::model::Surface;
 
@@ -54,14 +57,21 @@ fn draw_poster(surface: &Surface, positions: &Points, pins: &[u32], size: [u32; 
     let frame = Frame::around(surface, positions);
     let points: Vec<DVec3> =
         surface.vertices.iter().map(|particle| frame.place(positions.get(*particle as usize))).collect();
-    let pins: Vec<DVec3> = pins.iter().map(|pin| frame.place(positions.get(*pin as usize))).collect();
+    let is_lone = |pin: &u32| surface.points.iter().any(|v| surface.vertices[*v as usize] == *pin);
+    let (lone_pins, pins): (Vec<u32>, Vec<u32>) = pins.iter().partition(|pin| is_lone(pin));
+    let [lone_pins, pins] = [lone_pins, pins].map(|pins| -> Vec<DVec3> {
+        pins.iter().map(|pin| frame.place(positions.get(*pin as usize))).collect()
+    });
     let mut mesh = Mesh::default();
     let mut framed = Vec::new();
     if frame.has_extent() {
         add_shape(&mut mesh, surface, &points, size);
-        add_pins(&mut mesh, &pins, !surface.lines.is_empty());
+        let bead = if surface.lines.is_empty() { 0.0 } else { BEAD_RADIUS };
+        add_pins(&mut mesh, &pins, bead);
+        add_pins(&mut mesh, &lone_pins, LONE_BEAD_RADIUS);
     } else {
-        add_lone_particle(&mut mesh, &points);
+        let pinned = pins.iter().chain(&lone_pins).any(|pin| pin.is_finite());
+        add_lone_particle(&mut mesh, &points, if pinned { Material::Pin } else { Material::Bead });
         // A sphere alone would fill the picture.
         framed.extend([-0.5, 0.5].map(|height| DVec3::new(0.0, height, 0.0)));
     }
@@ -209,9 +219,11 @@ mod tests {
 
     #[test]
     fn a_shape_without_extent_is_a_sphere() {
-        let lone = draw_poster(&grid(1, 1), &points(1, 1, |_, _| DVec3::X), &[], SIZE);
+        let lone = draw_poster(&grid(1, 1), &points(1, 1, |_, _| DVec3::X), &[0], SIZE);
         let collapsed = draw_poster(&grid(4, 4), &points(4, 4, |_, _| DVec3::X), &[3], SIZE);
         assert!(lone == collapsed && 0.005 < lone.coverage, "{} and {}", lone.coverage, collapsed.coverage);
+        let free = draw_poster(&grid(1, 1), &points(1, 1, |_, _| DVec3::X), &[], SIZE);
+        assert!(free.coverage == lone.coverage && free.pixels != lone.pixels, "a pin has its own colour");
     }
 
     #[test]

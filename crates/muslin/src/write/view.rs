@@ -28,13 +28,15 @@ pub const VIEW_VERTEX_FRAMES: usize = 1 << 21;
 /// What a page says of a run besides its frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewInfo {
-    /// Title of the run.
+    /// Title of the run; `muslin` is shown in place of a blank one.
     pub title: String,
+    /// A sentence that is shown prominently below the title, such as why the run stopped before its end.
+    pub notice: Option<String>,
     /// Frames of the run per simulated second [1/s]: frame n is at n / `frame_rate`.
     pub frame_rate: f64,
     /// Name and value of each fact to show, in order, with units.
     pub facts: Vec<(String, String)>,
-    /// Times [s] of the samples of all series, ascending.
+    /// Times [s] of the samples of all series, ascending. Those after the last frame are left out.
     pub times: Vec<f64>,
     /// Energies [J] over time. The one named `residual` is drawn apart from the others.
     pub energies: Vec<ViewSeries>,
@@ -88,7 +90,7 @@ pub fn write_view(
     let description = describe(info, surface, &pinned, &bounds, frame_count, stride);
 
     let [head, heading, before_run, before_payload, end] = template_pieces();
-    let title = escape_text(&info.title);
+    let title = escape_text(if info.title.trim().is_empty() { "muslin" } else { &info.title });
     for piece in [head, &title, heading, &title, before_run, &escape_json(&description), before_payload] {
         out.write_all(piece.as_bytes())?;
     }
@@ -147,8 +149,11 @@ fn describe(
     frame_count: usize,
     stride: usize,
 ) -> Value {
-    let (times, columns) =
-        thin_series(&info.times, info.energies.iter().chain(&info.strains).map(|series| &series.values[..]));
+    // Half a frame of room, so that round-off in the times leaves out none.
+    let end = (frame_count as f64 - 0.5) / info.frame_rate;
+    let shown = info.times.partition_point(|time| *time < end);
+    let series = info.energies.iter().chain(&info.strains);
+    let (times, columns) = thin_series(&info.times[..shown], series.map(|series| &series.values[..shown]));
     let named = |series: &[ViewSeries], columns: &[Vec<f32>]| -> Vec<Value> {
         let pairs = series.iter().zip(columns);
         // A JSON number is finite: serde_json writes any other as null, which the plot shows as a gap.
@@ -157,6 +162,7 @@ fn describe(
     let (energies, strains) = columns.split_at(info.energies.len());
     json!({
         "title": info.title,
+        "notice": info.notice,
         "facts": info.facts,
         "frameRate": info.frame_rate,
         "frameCount": frame_count,

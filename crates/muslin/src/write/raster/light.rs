@@ -116,6 +116,26 @@ pub(super) fn smooth_lights(mesh: &Mesh, lights: &mut [Light], rounds: usize) {
     }
 }
 
+/// The normal at each vertex of `mesh`, averaged with its neighbours' `rounds` times.
+///
+/// Wrinkles as fine as the triangles would tear the border between light and shade.
+pub(super) fn smooth_normals(mesh: &Mesh, rounds: usize) -> Vec<DVec3> {
+    let mut normals = mesh.normals.clone();
+    for _ in 0..rounds {
+        let mut sums = normals.clone();
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| normals[v as usize]);
+            for k in 0..3 {
+                sums[triangle[k] as usize] += (corners[(k + 1) % 3] + corners[(k + 2) % 3]) * 0.5;
+            }
+        }
+        for (normal, sum) in normals.iter_mut().zip(sums) {
+            *normal = sum.try_normalize().unwrap_or(*normal);
+        }
+    }
+    normals
+}
+
 /// Directions spread evenly over the disc of the key light, in the spiral of a sunflower.
 fn disc_directions(key: DVec3) -> Vec<DVec3> {
     let (across, up) = key.any_orthonormal_pair();
@@ -237,6 +257,21 @@ mod tests {
         assert_eq!(light.key, 0.0);
         // The blocked cone ends at cos² = 3/4; one axis more or less beside it weighs at most 2 / AXES.
         assert!((light.front_sky - 0.75).abs() < 2.0 / AXES as f64, "{light:?}");
+    }
+
+    /// The normals of a plane stay, and a lone one that deviates gives way to its neighbours.
+    #[test]
+    fn smoothing_keeps_a_plane_and_turns_a_bump() {
+        let points: Vec<DVec3> =
+            (0..25).map(|v| DVec3::new(f64::from(v % 5), f64::from(v / 5), 0.0) / 4.0).collect();
+        let mut mesh = Mesh::default();
+        mesh.add_sheet(&points, 5, [0.25, 0.25]);
+        let plane = mesh.normals[0];
+        assert!(smooth_normals(&mesh, 3).iter().all(|normal| (*normal - plane).length() < 1e-15));
+        mesh.normals[12] = DVec3::X;
+        let turned = smooth_normals(&mesh, 1)[12];
+        // Eight triangles bring two neighbours each, at half weight: 8 n + x, of length √65.
+        assert!((turned - (plane * 8.0 + DVec3::X) / 65f64.sqrt()).length() < 1e-15, "{turned}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ mod studio;
 pub(super) use camera::Camera;
 pub(super) use mesh::{Material, Mesh};
 pub(super) use picture::{Picture, draw};
-pub(super) use shape::{add_lone_particle, add_pins, add_shape};
+pub(super) use shape::{BEAD_RADIUS, LONE_BEAD_RADIUS, add_lone_particle, add_pins, add_shape};
 
 /// From 0 at `from` and before to 1 at `to` and beyond, without a corner: 3 t² − 2 t³.
 fn smooth_step(from: f64, to: f64, value: f64) -> f64 {

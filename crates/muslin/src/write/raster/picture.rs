@@ -7,7 +7,7 @@ use super::Mesh;
 use super::camera::{Camera, Projected, shows_front};
 use super::fabric::SurfacePoint;
 use super::fill::{Barycentric, fill_triangle};
-use super::light::{Light, smooth_lights};
+use super::light::{Light, smooth_lights, smooth_normals};
 use super::studio::Studio;
 
 /// Samples along each side of a pixel.
@@ -35,7 +35,8 @@ pub(in crate::write) fn draw(mesh: &Mesh, camera: Camera, floor_height: f64, siz
     let (studio, mut lights) = Studio::around(mesh, camera, floor_height);
     smooth_lights(mesh, &mut lights, 2);
     let projected = mesh.points.iter().map(|point| camera.project(*point)).collect();
-    let view = View { mesh, camera, studio, lights, projected, size };
+    let normals = smooth_normals(mesh, 3);
+    let view = View { mesh, camera, studio, lights, normals, projected, size };
     let row_bytes = 3 * size[0] as usize;
     let mut pixels = vec![0; row_bytes * size[1] as usize];
     let encoding = Encoding::new();
@@ -54,6 +55,7 @@ struct View<'a> {
     camera: Camera,
     studio: Studio,
     lights: Vec<Light>,
+    normals: Vec<DVec3>,
     projected: Vec<Projected>,
     size: [u32; 2],
 }
@@ -136,7 +138,7 @@ impl View<'_> {
             [0, 1].map(|axis| (right[axis] - start[axis]).abs().max((down[axis] - start[axis]).abs()));
         let front = shows_front(corners.map(|corner| corner.place));
         let blend = |vectors: &[DVec3]| (0..3).map(|k| vectors[vertices[k]] * here[k]).sum::<DVec3>();
-        let normal = blend(&self.mesh.normals).try_normalize().unwrap_or(DVec3::Y);
+        let normal = blend(&self.normals).try_normalize().unwrap_or(DVec3::Y);
         let view = (self.camera.position - blend(&self.mesh.points)).normalize();
         SurfacePoint {
             material: self.mesh.materials[triangle],

@@ -13,8 +13,12 @@ const MOST_VERTICES: usize = 80_000;
 /// Area below which a sheet has collapsed onto a line.
 const LEAST_AREA: f64 = 1e-5;
 const THREAD_RADIUS: f64 = 0.0045;
-const BEAD_RADIUS: f64 = 0.0145;
+/// Radius of a particle of a thread.
+pub(in crate::write) const BEAD_RADIUS: f64 = 0.0145;
+/// Radius of a particle without springs beside others.
+pub(in crate::write) const LONE_BEAD_RADIUS: f64 = 2.0 * BEAD_RADIUS;
 const PIN_RADIUS: f64 = 0.0088;
+/// Radius of a particle that is all there is.
 const LONE_RADIUS: f64 = 0.12;
 /// Least distance between pins, and between beads, that are drawn.
 const PIN_SPACING: f64 = 0.09;
@@ -55,25 +59,25 @@ pub(in crate::write) fn add_shape(mesh: &mut Mesh, surface: &Surface, points: &[
     }
     for point in surface.points.iter().map(|v| points[*v as usize]) {
         if point.is_finite() {
-            mesh.add_sphere(point, 2.0 * BEAD_RADIUS, 32, Material::Bead);
+            mesh.add_sphere(point, LONE_BEAD_RADIUS, 32, Material::Bead);
         }
     }
 }
 
 /// Adds a pin's head at some of `pins`, spread evenly where they are dense; those that are not finite are left out.
 ///
-/// The heads are large enough to hide a bead.
-pub(in crate::write) fn add_pins(mesh: &mut Mesh, pins: &[DVec3], has_beads: bool) {
-    let radius = if has_beads { 1.25 * BEAD_RADIUS } else { PIN_RADIUS };
+/// The heads are large enough to hide beads of radius `bead`.
+pub(in crate::write) fn add_pins(mesh: &mut Mesh, pins: &[DVec3], bead: f64) {
+    let radius = PIN_RADIUS.max(1.25 * bead);
     for pin in spread(pins) {
         mesh.add_sphere(pin, radius, 24, Material::Pin);
     }
 }
 
-/// Adds a sphere at the first finite one of `points`, if there is one.
-pub(in crate::write) fn add_lone_particle(mesh: &mut Mesh, points: &[DVec3]) {
+/// Adds a sphere of `material` at the first finite one of `points`, if there is one.
+pub(in crate::write) fn add_lone_particle(mesh: &mut Mesh, points: &[DVec3], material: Material) {
     if let Some(point) = points.iter().find(|point| point.is_finite()) {
-        mesh.add_sphere(*point, LONE_RADIUS, 96, Material::Bead);
+        mesh.add_sphere(*point, LONE_RADIUS, 96, material);
     }
 }
 

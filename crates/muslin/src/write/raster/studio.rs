@@ -7,20 +7,22 @@ use super::light::{Light, eval_lights};
 use super::{Mesh, smooth_step};
 
 /// Radiance of the key light times π, for an albedo of 1.
-pub(super) const KEY: DVec3 = DVec3::new(1.36, 1.26, 1.09);
+pub(super) const KEY: DVec3 = DVec3::new(1.12, 1.04, 0.90);
 /// Radiance of the sky times π.
 pub(super) const SKY: DVec3 = DVec3::new(0.255, 0.275, 0.29);
 /// Radiance of the floor times π, as far as it lights the cloth from below.
 pub(super) const BOUNCE: DVec3 = DVec3::new(0.10, 0.105, 0.105);
 /// Albedo of the floor.
-const FLOOR: DVec3 = DVec3::new(0.078, 0.110, 0.133);
+const FLOOR: DVec3 = DVec3::new(0.092, 0.129, 0.155);
 /// Colour of the backdrop at the level of the floor, and high above.
 const BACKDROP: [DVec3; 2] = [DVec3::new(0.082, 0.112, 0.126), DVec3::new(0.020, 0.030, 0.037)];
-/// Angle of the key light above the horizon, and from the camera to its side [rad].
-const KEY_ANGLES: [f64; 2] = [0.86, 0.86];
+/// Angle of the key light above the horizon [rad].
+const KEY_HEIGHT: f64 = 0.86;
+/// Angles from the camera to the side of the key light [rad]: the usual one, and those that rake a flat cloth.
+const KEY_TURNS: [f64; 3] = [0.86, 1.15, 1.4];
 /// Mean cosine between the key light and what shows of the shape that models its relief best.
 const BEST_COSINE: f64 = 0.62;
-/// How much nearer to it the light from the right must be than the one from the left, which is the custom.
+/// How much nearer to it another light must be than the one from the left at the usual angle, which is the custom.
 const CUSTOM: f64 = 0.03;
 /// Share of the light that comes through the shape to the floor.
 const THROUGH: f64 = 0.12;
@@ -45,12 +47,9 @@ pub(in crate::write) struct Studio {
 impl Studio {
     /// The room around `mesh`; also the light at each vertex of the mesh.
     ///
-    /// The key light comes from above, from the side of `camera` whence it shows the relief of the mesh better.
+    /// The key light comes from above, from the side and angle to `camera` whence it shows the relief of the mesh better.
     pub(in crate::write) fn around(mesh: &Mesh, camera: Camera, floor_height: f64) -> (Self, Vec<Light>) {
-        let [left, right] = [-1.0, 1.0].map(|side| key_direction(&camera, side));
-        let [from_left, from_right] =
-            [left, right].map(|key| (mean_cosine(mesh, &camera, key) - BEST_COSINE).abs());
-        let key = if from_right + CUSTOM < from_left { right } else { left };
+        let key = best_key(mesh, &camera);
         let floor_centre = [-0.6 * key.x, -0.6 * key.z];
         // The floor's texels come after the vertices, so that every map is made once for both.
         let mut points = mesh.points.clone();
@@ -144,12 +143,28 @@ fn softened(lights: &[Light]) -> Vec<Light> {
         .collect()
 }
 
-/// Unit vector to the key light on the left (`side` −1) or the right (1) of `camera`.
-fn key_direction(camera: &Camera, side: f64) -> DVec3 {
+/// Unit vector to the key light: of all sides and turns the one whose mean cosine is nearest to [`BEST_COSINE`].
+fn best_key(mesh: &Mesh, camera: &Camera) -> DVec3 {
+    let error = |key: DVec3| (mean_cosine(mesh, camera, key) - BEST_COSINE).abs();
+    let mut best = key_direction(camera, -1.0, KEY_TURNS[0]);
+    let mut least = error(best) - CUSTOM;
+    for turn in KEY_TURNS {
+        for side in [-1.0, 1.0] {
+            let key = key_direction(camera, side, turn);
+            let error = error(key);
+            if error < least {
+                (best, least) = (key, error);
+            }
+        }
+    }
+    best
+}
+
+/// Unit vector to the key light on the left (`side` −1) or the right (1) of `camera`, by the angle `turn` [rad].
+fn key_direction(camera: &Camera, side: f64, turn: f64) -> DVec3 {
     let level = DVec3::new(camera.back.x, 0.0, camera.back.z).normalize();
-    let [height, turn] = KEY_ANGLES;
     let aside = level * libm::cos(turn) + camera.right * (side * libm::sin(turn));
-    aside * libm::cos(height) + DVec3::Y * libm::sin(height)
+    aside * libm::cos(KEY_HEIGHT) + DVec3::Y * libm::sin(KEY_HEIGHT)
 }
 
 /// Mean cosine between `key` and the sides of the triangles that face `camera`, weighted with the area they show.
@@ -195,10 +210,10 @@ mod tests {
         mesh.add_sphere(DVec3::ZERO, 0.5, 8, crate::write::raster::Material::Bead);
         let camera = Camera::three_quarter(&mesh, &[], [160, 90]);
         for side in [-1.0, 1.0] {
-            let key = key_direction(&camera, side);
+            let key = key_direction(&camera, side, KEY_TURNS[0]);
             assert!((key.length() - 1.0).abs() < 1e-15);
-            assert!((key.y - libm::sin(KEY_ANGLES[0])).abs() < 1e-15);
-            let aside = side * libm::cos(KEY_ANGLES[0]) * libm::sin(KEY_ANGLES[1]);
+            assert!((key.y - libm::sin(KEY_HEIGHT)).abs() < 1e-15);
+            let aside = side * libm::cos(KEY_HEIGHT) * libm::sin(KEY_TURNS[0]);
             assert!((key.dot(camera.right) - aside).abs() < 1e-15);
         }
     }

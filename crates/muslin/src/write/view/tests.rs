@@ -33,6 +33,7 @@ fn grid(columns: usize, rows: usize) -> Surface {
 fn info(title: &str) -> ViewInfo {
     ViewInfo {
         title: title.to_owned(),
+        notice: None,
         frame_rate: 60.0,
         facts: vec![("step".to_owned(), "1 ms".to_owned())],
         times: vec![0.0, 1.0 / 60.0],
@@ -261,7 +262,7 @@ fn no_title_becomes_markup() {
     let harmless =
         page(&ViewInfo { title: "x".to_owned(), ..info }, &surface, &[], &mut frames(2, 2, 2)).unwrap();
     assert_eq!(hostile.matches('<').count(), harmless.matches('<').count());
-    assert!(hostile.contains("<h1 dir=\"auto\">&lt;/script&gt;&lt;b&gt;&amp;amp; "));
+    assert!(hostile.contains("<h1 id=\"title\" dir=\"auto\">&lt;/script&gt;&lt;b&gt;&amp;amp; "));
     assert_eq!(decode(&hostile).positions.len(), 2);
 }
 
@@ -275,6 +276,30 @@ fn the_same_input_gives_the_same_bytes() {
 fn values_that_are_not_finite_leave_gaps() {
     let page = page(&info("gap"), &grid(2, 2), &[], &mut frames(2, 2, 2)).unwrap();
     assert_eq!(description(&page)["energies"][0]["values"], json!([0.0, null]));
+}
+
+#[test]
+fn series_end_with_the_last_frame() {
+    let unstable = ViewInfo {
+        times: vec![0.0, 1.0 / 60.0, 2.0 / 60.0],
+        energies: vec![ViewSeries { name: "kinetic".to_owned(), values: vec![0.0, 1.0, 1e300] }],
+        strains: Vec::new(),
+        ..info("unstable")
+    };
+    let page = page(&unstable, &grid(2, 2), &[], &mut frames(2, 2, 2)).unwrap();
+    assert_eq!(description(&page)["times"], json!([0.0, 1.0 / 60.0]));
+    assert_eq!(description(&page)["energies"][0]["values"], json!([0.0, 1.0]));
+}
+
+#[test]
+fn a_notice_is_escaped_and_a_blank_title_replaced() {
+    let notice = "Stopped at 1.2 s: </script> particle 12 has no finite position";
+    let stopped = ViewInfo { notice: Some(notice.to_owned()), ..info(" \t") };
+    let stopped = page(&stopped, &grid(2, 2), &[], &mut frames(2, 2, 2)).unwrap();
+    assert_eq!(description(&stopped)["notice"], notice);
+    assert!(stopped.contains("<title>muslin</title>"));
+    let done = page(&info("done"), &grid(2, 2), &[], &mut frames(2, 2, 2)).unwrap();
+    assert_eq!(description(&done)["notice"], Value::Null);
 }
 
 #[test]
