@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 
+use crate::report::shell_word;
+
 /// Simulate cloth: from a scene file to pictures, pages and arrays.
 #[derive(Debug, Parser)]
 #[command(name = "muslin", version, arg_required_else_help = true, max_term_width = 100)]
@@ -20,7 +22,7 @@ impl Arguments {
         Self::try_parse().unwrap_or_else(|mut error| {
             let name = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
             if let Some(name) = name.filter(|name| name.ends_with(".toml")) {
-                let tip = format!("to simulate a scene, write `muslin run {name}`");
+                let tip = format!("to simulate a scene, write `muslin run {}`", shell_word(&name));
                 error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
             }
             error.exit()

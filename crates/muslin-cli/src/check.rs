@@ -24,12 +24,11 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<(), CliError> {
     let model = Model::new(&scene);
     let state = model.initial_state(&scene);
     let integrator = timed_integrator(&scene, None, &SteppingTime::default())?;
-    let _ = write_check(&mut stdout().lock(), &scene, &model, &state, integrator.workers());
+    CliError::print(write_check(&mut stdout().lock(), &scene, &model, &state, integrator.workers()))?;
     // The run's own check has the last word on the step.
     Simulation::new(&scene, integrator).map_err(|error| unstable(&error))?;
     let cost = measured_step_cost(&scene, &model, state)?;
-    let _ = write_cost(&mut stdout().lock(), &scene, &model, cost);
-    Ok(())
+    CliError::print(write_cost(&mut stdout().lock(), &scene, &model, cost))
 }
 
 fn write_check(
@@ -72,7 +71,7 @@ fn write_check(
     } else {
         writeln!(out, "  largest stable step  any: nothing is stiff")?;
     }
-    Ok(())
+    out.flush()
 }
 
 /// Wall time [s] of one step on this machine.
@@ -97,5 +96,6 @@ fn write_cost(out: &mut impl Write, scene: &Scene, model: &Model, cost: f64) -> 
     let steps = (steps_per_frame * settings.frame_intervals) as f64;
     let bytes = (settings.frame_intervals + 1) as f64 * model.particles().len() as f64 * 48.0;
     writeln!(out, "  estimated cost       {} for the steps", duration_text(steps * cost))?;
-    writeln!(out, "  estimated size       {} MB for trajectory.npz", significant(bytes * 1e-6))
+    writeln!(out, "  estimated size       {} MB for trajectory.npz", significant(bytes * 1e-6))?;
+    out.flush()
 }

@@ -39,6 +39,17 @@ impl CliError {
         Self::failed(format_args!("{} could not be written: {}", path.display(), reason(error)), help)
     }
 
+    /// Results that could not be printed. A reader who goes away is no failure.
+    pub(crate) fn print(result: io::Result<()>) -> Result<(), Self> {
+        match result {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Self::failed(
+                format_args!("the standard output could not be written: {}", reason(&error)),
+                "check where it goes",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// A file that could not be read.
     pub(crate) fn read(path: &Path, error: &io::Error, help: &str) -> Self {
         Self::input(format_args!("{} could not be read: {}", path.display(), reason(error)), help)

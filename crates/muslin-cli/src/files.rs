@@ -11,12 +11,13 @@ use muslin::write::{
 use muslin::{Model, Points};
 
 use crate::error::CliError;
+use crate::file_progress::FileProgress;
 use crate::frame_store::FrameStore;
 use crate::output::SUMMARY;
-use crate::progress::{duration_text, significant};
+use crate::progress::{duration_text, strain_text};
 use crate::run::Run;
 use crate::scene_file::SceneFile;
-use crate::summary::{Ending, Summary, method_name};
+use crate::summary::{Ending, Summary, method_name, outcomes};
 
 /// Vertices per cloth in `cloth.glb` at most.
 const GLB_VERTICES: usize = 66_000;
@@ -38,16 +39,20 @@ pub(crate) fn write_files(
     run: &mut Run<'_>,
     file: &SceneFile,
     ending: &Ending,
+    progress: &FileProgress,
 ) -> Result<Vec<ExpectOutcome>, CliError> {
     let model = run.simulation.model();
     let (scene, frames, output) = (run.scene, run.recorder.frames(), &mut run.output);
     let store = &mut run.store;
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let pins: Vec<u32> = model.particles().pins().map(|particle| particle as u32).collect();
+    progress.writing("scene.toml");
     output.write("scene.toml", |out| io::Write::write_all(out, file.text.as_bytes()))?;
+    progress.writing("trajectory.npz");
     output.write("trajectory.npz", |out| {
         write_trajectory(out, &times, &model.surface(usize::MAX).triangles, store)
     })?;
+    progress.writing("series.csv");
     output.write("series.csv", |out| {
         let columns = series_columns(frames);
         let columns: Vec<(&str, &[f64])> =
@@ -61,13 +66,16 @@ pub(crate) fn write_files(
     if pictures.frame_count() == 0 {
         output.remove(&["cloth.glb", "poster.png", "view.html"])?;
     } else {
+        progress.writing("cloth.glb");
         output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), pictures))?;
+        progress.writing("poster.png");
         output.write("poster.png", |out| {
             let mut positions = Points::default();
             pictures.read_positions(pictures.frame_count() - 1, &mut positions)?;
             write_poster(out, &model.surface(POSTER_VERTICES), &positions, &pins, POSTER_SIZE)
         })?;
-        let info = view_info(run.scene, model, &run.recorder);
+        let info = view_info(run.scene, model, &run.recorder, ending);
+        progress.writing("view.html");
         output.write("view.html", |out| {
             write_view(
                 out,
@@ -79,10 +87,7 @@ pub(crate) fn write_files(
             )
         })?;
     }
-    let outcomes: Vec<ExpectOutcome> = match ending {
-        Ending::Complete => scene.expectations().iter().map(|line| line.check(&run.recorder)).collect(),
-        Ending::Interrupted | Ending::Failed(_) => Vec::new(),
-    };
+    let outcomes = outcomes(scene, &run.recorder, ending);
     let [wall_seconds, stepping_seconds] = run.times();
     let summary = Summary {
         scene: run.scene,
@@ -182,24 +187,42 @@ fn strain_series(frames: &[FrameRecord]) -> Vec<(String, Vec<f64>)> {
     series
 }
 
+/// What a reader of the page must know of a run that ended early, at `time` [s].
+fn notice(ending: &Ending, time: f64) -> Option<String> {
+    match ending {
+        Ending::Complete => None,
+        Ending::Interrupted => Some(format!("This run was stopped at {time:.6} s.")),
+        Ending::Failed(error) => Some(format!("This run failed: {error}. The frames before it are shown.")),
+    }
+}
+
 /// What `view.html` tells beside the motion.
-fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::Recorder) -> ViewInfo {
+fn view_info(
+    scene: &muslin::Scene,
+    model: &Model,
+    recorder: &muslin::observe::Recorder,
+    ending: &Ending,
+) -> ViewInfo {
     let frames = recorder.frames();
     let settings = scene.run();
+    let mut reached = duration_text(frames.last().map_or(0.0, |frame| frame.time));
+    if (frames.len() as u64) <= settings.frame_intervals {
+        reached.push_str(&format!(" of {}", duration_text(settings.duration)));
+    }
     let mut facts = vec![
         ("particles".to_owned(), model.particles().len().to_string()),
         ("springs".to_owned(), model.spring_counts().iter().sum::<u64>().to_string()),
-        ("duration".to_owned(), duration_text(settings.duration)),
+        ("duration".to_owned(), reached),
         ("method".to_owned(), method_name(settings.method).to_owned()),
     ];
     if let Some(step) = recorder.steps().largest {
         facts.push(("step".to_owned(), duration_text(step)));
     }
     if let [Some(max), _, _] = recorder.max_strains() {
-        facts.push(("largest strain".to_owned(), format!("{} %", significant(100.0 * max))));
+        facts.push(("largest strain".to_owned(), strain_text(max)));
     }
     let residual = muslin::observe::relative_residual(frames.iter().map(|frame| &frame.energies));
-    facts.push(("energy residual".to_owned(), format!("{residual:.1e}")));
+    facts.push(("energy residual".to_owned(), residual_text(residual)));
     if let Some(last) = frames.last() {
         facts.push(("state hash".to_owned(), last.hash.to_string()[..12].to_owned()));
     }
@@ -211,7 +234,7 @@ fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::R
     let strains = strain_series(frames).into_iter().filter(|(name, _)| !name.ends_with("_min"));
     ViewInfo {
         title: scene.title().to_owned(),
-        notice: None,
+        notice: notice(ending, frames.last().map_or(0.0, |frame| frame.time)),
         frame_rate: settings.frame_rate,
         facts,
         times: frames.iter().map(|frame| frame.time).collect(),
@@ -220,6 +243,11 @@ fn view_info(scene: &muslin::Scene, model: &Model, recorder: &muslin::observe::R
             .map(|(name, values)| ViewSeries { name: name.replace("_strain_", " "), values })
             .collect(),
     }
+}
+
+/// A relative residual [1].
+pub(crate) fn residual_text(residual: f64) -> String {
+    if residual.is_finite() { format!("{residual:.2e}") } else { "unbounded".to_owned() }
 }
 
 /// Gives the strain [1] of every particle from the positions of all.

@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod error;
+mod file_progress;
 mod files;
 mod frame_store;
 mod memory;
@@ -24,6 +25,7 @@ use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
 use args::{Arguments, Command};
+use error::CliError;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse_or_exit();
@@ -33,11 +35,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::verify(arguments),
         Command::View { dir } => view::view(dir),
         Command::New { name } => new::new(name.as_deref()),
-        Command::Schema => {
-            // A closed pipe is the reader's choice.
-            let _ = stdout().write_all(muslin::scene::JSON_SCHEMA.as_bytes());
-            Ok(())
-        }
+        Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -46,4 +44,10 @@ fn main() -> ExitCode {
             error.exit_code()
         }
     }
+}
+
+/// Prints `text` as it is.
+fn print_text(text: &str) -> Result<(), CliError> {
+    let mut out = stdout().lock();
+    CliError::print(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }

@@ -1,8 +1,7 @@
 //! `muslin new`.
 
-use std::io::{Write, stdout};
-
 use crate::error::CliError;
+use crate::print_text;
 
 /// Scenes to start from: name, what it shows, and text.
 const SCENES: [(&str, &str, &str); 6] = [
@@ -24,13 +23,9 @@ const SCENES: [(&str, &str, &str); 6] = [
 
 /// Prints the scene `name`, or the names there are.
 pub(crate) fn new(name: Option<&str>) -> Result<(), CliError> {
-    let mut out = stdout().lock();
     let Some(name) = name else {
-        for (name, description, _) in SCENES {
-            let _ = writeln!(out, "{name:<16} {description}");
-        }
-        let _ = writeln!(out, "\nwrite one to a file: muslin new hanging > my-scene.toml");
-        return Ok(());
+        let list = SCENES.map(|(name, description, _)| format!("{name:<16} {description}\n")).concat();
+        return print_text(&format!("{list}\nwrite one to a file: muslin new hanging > my-scene.toml\n"));
     };
     let wanted = name.trim_end_matches(".toml");
     let Some((_, _, text)) = SCENES.iter().find(|(known, _, _)| *known == wanted) else {
@@ -40,7 +35,5 @@ pub(crate) fn new(name: Option<&str>) -> Result<(), CliError> {
             format_args!("scenes: {names}"),
         ));
     };
-    // A closed pipe is the reader's choice.
-    let _ = out.write_all(text.as_bytes());
-    Ok(())
+    print_text(text)
 }

@@ -19,6 +19,10 @@ const LOCK: &str = "lock";
 /// Name of the file that tells of the run and of all other files.
 pub(crate) const SUMMARY: &str = "summary.json";
 
+/// Names of all files that a run may write.
+const FILES: [&str; 7] =
+    ["scene.toml", "trajectory.npz", "series.csv", "cloth.glb", "poster.png", "view.html", SUMMARY];
+
 /// How to treat what is in the folder already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Existing {
@@ -37,8 +41,8 @@ pub(crate) struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// The folder at `path`, made if need be, for a new run.
-    pub(crate) fn create(path: &Path, existing: Existing) -> Result<Self, CliError> {
+    /// The folder at `path`, made if need be, for a new run of the scene file `scene`.
+    pub(crate) fn create(path: &Path, existing: Existing, scene: &Path) -> Result<Self, CliError> {
         let mut folder = Self { path: path.to_owned(), hashes: Map::new(), lock: None };
         if path.exists() && !path.is_dir() {
             return Err(CliError::input(
@@ -54,12 +58,13 @@ impl OutputFolder {
                 "go on with it by `--resume`, start again with `--force`, or choose another folder with `--out DIR`",
             ));
         }
-        if existing == Existing::Keep && folder.has_files() {
+        if folder.would_overwrite(scene) {
             return Err(CliError::input(
-                format_args!("{} exists already and is not empty", path.display()),
-                "replace its files with `--force`, or choose another folder with `--out DIR`",
+                format_args!("{} would be overwritten by the files of its run", scene.display()),
+                "choose another folder with `--out DIR`",
             ));
         }
+        folder.require_replaceable(existing)?;
         let make = || {
             if folder.partial().exists() {
                 fs::remove_dir_all(folder.partial())?;
@@ -128,6 +133,49 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Whether the file at `scene` is one that a run in this folder replaces or removes.
+    fn would_overwrite(&self, scene: &Path) -> bool {
+        let Ok(scene) = scene.canonicalize() else { return false };
+        let is_scene = |path: PathBuf| path.canonicalize().is_ok_and(|path| path == scene);
+        let is_in_partial = self.partial().canonicalize().is_ok_and(|partial| scene.starts_with(partial));
+        is_in_partial || FILES.iter().any(|name| is_scene(self.path.join(name)))
+    }
+
+    /// Refuses a folder with files, unless they are those of an earlier run and may be replaced.
+    fn require_replaceable(&self, existing: Existing) -> Result<(), CliError> {
+        if !self.has_files() {
+            return Ok(());
+        }
+        let path = self.path.display();
+        match (existing, self.holds_run()) {
+            (Existing::Replace, true) => Ok(()),
+            (Existing::Replace, false) => Err(CliError::input(
+                format_args!(
+                    "{path} holds other files than those of a run, which `--force` does not replace"
+                ),
+                "choose another folder with `--out DIR`",
+            )),
+            (Existing::Keep, true) => Err(CliError::input(
+                format_args!("{path} exists already and is not empty"),
+                "replace its files with `--force`, or choose another folder with `--out DIR`",
+            )),
+            (Existing::Keep, false) => Err(CliError::input(
+                format_args!("{path} exists already and is not empty"),
+                "choose another folder with `--out DIR`",
+            )),
+        }
+    }
+
+    /// Whether the folder holds a run of this command, ended or not.
+    fn holds_run(&self) -> bool {
+        let is_summary = |bytes: Vec<u8>| {
+            let summary: Option<Value> = serde_json::from_slice(&bytes).ok();
+            let has = |key| summary.as_ref().is_some_and(|summary| summary.get(key).is_some());
+            ["muslin", "scene_hash", "frame_hashes", "files"].into_iter().all(has)
+        };
+        Checkpoint::exists(&self.partial()) || fs::read(self.path.join(SUMMARY)).is_ok_and(is_summary)
+    }
+
     /// Whether the folder holds anything but a run in progress.
     fn has_files(&self) -> bool {
         let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
@@ -182,6 +230,17 @@ impl OutputFolder {
         let partial = self.partial();
         fs::remove_dir_all(&partial).map_err(|error| CliError::write(&partial, &error))
     }
+}
+
+/// Refuses the folder `path` whose file `name` is not there because its run has not ended.
+pub(crate) fn require_ended(path: &Path, name: &str) -> Result<(), CliError> {
+    if path.join(name).exists() || !Checkpoint::exists(&path.join(PARTIAL)) {
+        return Ok(());
+    }
+    Err(CliError::input(
+        format_args!("{} holds an unfinished run", path.display()),
+        "go on with the same command and `--resume`",
+    ))
 }
 
 /// SHA-256 of the bytes of a file, 64 hexadecimal digits.

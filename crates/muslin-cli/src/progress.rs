@@ -1,6 +1,6 @@
 //! Telling how far a run is: a bar on a terminal, plain lines elsewhere.
 
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{Write, stderr};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -15,8 +15,11 @@ const BAR_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two plain lines at least.
 const LINE_INTERVAL: Duration = Duration::from_secs(2);
 
-/// Parts of the bar.
-const BAR_PARTS: u64 = 1000;
+/// Characters of the bar.
+const BAR_LENGTH: usize = 20;
+
+/// Below this duration [s] times are told in smaller units.
+const SHORT_DURATION: f64 = 0.1;
 
 /// Watches a run and says how far it is.
 pub(crate) struct Progress<'a> {
@@ -31,13 +34,7 @@ pub(crate) struct Progress<'a> {
 impl<'a> Progress<'a> {
     /// For a run of `settings` that goes on from `start_time` [s] until `interrupted`.
     pub(crate) fn new(settings: &RunSettings, start_time: f64, interrupted: &'a AtomicBool) -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(Some(BAR_PARTS), ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
-                bar.set_style(style);
-            }
-            bar
-        });
+        let bar = terminal_line();
         let start = Instant::now();
         let next_update = start + if bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
         Self { interrupted, duration: settings.duration, bar, start, start_time, next_update }
@@ -58,10 +55,13 @@ impl<'a> Progress<'a> {
         let elapsed = (now - self.start).as_secs_f64();
         let speed = (state.time - self.start_time) / elapsed;
         let left = (self.duration - state.time) / speed;
+        let progress = if self.duration < SHORT_DURATION {
+            format!("{}/{}", duration_text(state.time), duration_text(self.duration))
+        } else {
+            format!("{:.2}/{:.2} s", state.time, self.duration)
+        };
         format!(
-            "{:.2}/{:.2} s  step {}  {}x real time  {} left",
-            state.time,
-            self.duration,
+            "{progress}  step {}  {}x real time  {} left",
             duration_text(state.last_step),
             significant(speed),
             duration_text(left)
@@ -78,8 +78,7 @@ impl Observer for Progress<'_> {
         let message = self.message(state, now);
         match &self.bar {
             Some(bar) => {
-                bar.set_position((state.time / self.duration * BAR_PARTS as f64) as u64);
-                bar.set_message(message);
+                bar.set_message(format!("{message}  {}", bar_text(state.time / self.duration)));
                 self.next_update = now + BAR_INTERVAL;
             }
             None => {
@@ -89,6 +88,24 @@ impl Observer for Progress<'_> {
             }
         }
     }
+}
+
+/// A line on the terminal that can be replaced, and that is cut off where the terminal ends; none where there is no
+/// terminal or it cannot do that.
+pub(crate) fn terminal_line() -> Option<ProgressBar> {
+    let target = ProgressDrawTarget::stderr();
+    if target.is_hidden() {
+        return None;
+    }
+    let line = ProgressBar::with_draw_target(None, target);
+    line.set_style(ProgressStyle::with_template("{wide_msg}").ok()?);
+    Some(line)
+}
+
+/// A bar of which `share`, from 0 to 1, is full.
+fn bar_text(share: f64) -> String {
+    let full = ((share * BAR_LENGTH as f64) as usize).min(BAR_LENGTH);
+    "█".repeat(full) + &"░".repeat(BAR_LENGTH - full)
 }
 
 /// A time [s] in the unit that suits it, with three digits.
@@ -108,15 +125,30 @@ pub(crate) fn duration_text(seconds: f64) -> String {
 
 /// A number with three significant digits, without exponent where it stays short.
 pub(crate) fn significant(value: f64) -> String {
+    rounded(value, 3)
+}
+
+/// A number with so many significant `digits`, from 1 to 7, without exponent where it stays short.
+pub(crate) fn rounded(value: f64, digits: u8) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
     let exponent = value.abs().log10().floor() as i32;
+    let last = i32::from(digits) - 1;
     match exponent {
-        -4..=2 => format!("{value:.*}", (2 - exponent).max(0) as usize),
-        3..=6 => format!("{value:.0}"),
-        _ => format!("{value:.2e}"),
+        -4..=6 => format!("{value:.*}", (last - exponent).max(0) as usize),
+        _ => format!("{value:.*e}", last as usize),
     }
+}
+
+/// A number with all its digits, without exponent where it stays short.
+pub(crate) fn all_digits(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// A strain [1] in per cent.
+pub(crate) fn strain_text(strain: f64) -> String {
+    if strain.is_finite() { format!("{} %", significant(100.0 * strain)) } else { "unbounded".to_owned() }
 }
 
 #[cfg(test)]
@@ -142,6 +174,28 @@ mod tests {
     }
 
     #[test]
+    fn short_durations_are_told_in_smaller_units() {
+        let text = include_str!("../../../scenes/hanging.toml");
+        let text = muslin::scene::set_value(text, "run.frame_rate=1000").expect("a frame rate");
+        let text = muslin::scene::set_value(&text, "run.duration=0.005").expect("a duration");
+        let text = muslin::scene::set_value(&text, "run.step.constant=1e-4").expect("a step");
+        let scene = Scene::parse(&text).expect("a scene");
+        let interrupted = AtomicBool::new(false);
+        let progress = Progress::new(scene.run(), 0.0, &interrupted);
+        let mut state = State::at_rest(Points::zeros(1));
+        (state.time, state.last_step) = (0.0025, 1e-4);
+        let message = progress.message(&state, progress.start + Duration::from_secs(1));
+        assert_eq!(message, "2.50 ms/5.00 ms  step 100 µs  0.00250x real time  1.00 s left");
+    }
+
+    #[test]
+    fn a_bar_fills_from_the_left() {
+        assert_eq!(bar_text(0.0), "░".repeat(20));
+        assert_eq!(bar_text(0.25), "█".repeat(5) + &"░".repeat(15));
+        assert_eq!(bar_text(1.0), "█".repeat(20));
+    }
+
+    #[test]
     fn times_take_the_unit_that_suits_them() {
         let texts = [2.5e-5, 0.002083, 1.5, 150.0, 9000.0, f64::INFINITY].map(duration_text);
         assert_eq!(texts, ["25.0 µs", "2.08 ms", "1.50 s", "2.50 min", "2.50 h", "unknown time"]);
@@ -151,5 +205,18 @@ mod tests {
     fn numbers_keep_three_digits() {
         let texts = [0.0, 0.01234, 12.345, 1234.5, 3.2e9, 1.5e-9].map(significant);
         assert_eq!(texts, ["0", "0.0123", "12.3", "1234", "3.20e9", "1.50e-9"]);
+        assert_eq!(
+            [1.234567, -1.85e-4, 5e-5].map(|value| rounded(value, 4)),
+            ["1.235", "-0.0001850", "5.000e-5"]
+        );
+        assert_eq!(
+            [0.0, 0.236, -5e-4, 1e-12, 5e7].map(all_digits),
+            ["0", "0.236", "-0.0005", "1e-12", "5e7"]
+        );
+    }
+
+    #[test]
+    fn strains_are_told_in_per_cent() {
+        assert_eq!([0.2327, f64::INFINITY].map(strain_text), ["23.3 %", "unbounded"]);
     }
 }

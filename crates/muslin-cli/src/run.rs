@@ -13,6 +13,7 @@ use muslin::{Model, Scene, Simulation, SimulationError};
 
 use crate::args::RunArguments;
 use crate::error::CliError;
+use crate::file_progress::FileProgress;
 use crate::files::write_files;
 use crate::frame_store::FrameStore;
 use crate::output::{Existing, OutputFolder, text_hash};
@@ -43,10 +44,13 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
         Run::resume(&file.scene, &path, &scene_hash, integrator, time)?
     } else {
         let existing = if arguments.force { Existing::Replace } else { Existing::Keep };
-        Run::start(&file.scene, &path, existing, scene_hash, integrator, time)?
+        let output = || OutputFolder::create(&path, existing, &arguments.scene);
+        Run::start(&file.scene, output, scene_hash, integrator, time)?
     };
     let ending = run.go_on(&interrupted)?;
-    let outcomes = write_files(&mut run, &file, &ending)?;
+    let progress = FileProgress::new(interrupted);
+    let outcomes = write_files(&mut run, &file, &ending, &progress)?;
+    drop(progress);
     report(&mut stdout().lock(), &run, &file, &ending, &outcomes)
 }
 
@@ -66,18 +70,17 @@ pub(crate) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A new run in the folder `path`.
+    /// A new run in the folder that `output` makes once the scene has proved to be good.
     fn start(
         scene: &'a Scene,
-        path: &Path,
-        existing: Existing,
+        output: impl FnOnce() -> Result<OutputFolder, CliError>,
         scene_hash: String,
         integrator: Box<dyn Integrator>,
         time: SteppingTime,
     ) -> Result<Self, CliError> {
         let threads = integrator.workers().count();
         let simulation = Simulation::new(scene, integrator).map_err(|error| unstable(&error))?;
-        let output = OutputFolder::create(path, existing)?;
+        let output = output()?;
         let store = FrameStore::create(&output.partial(), simulation.model().particles().len())?;
         let mut run = Self {
             scene,
@@ -231,7 +234,7 @@ pub(crate) fn unstable(error: &SimulationError) -> CliError {
 }
 
 /// What a failed step means to a person: where, when, and what to do.
-fn failure(model: &Model, error: &StepError) -> String {
+pub(crate) fn failure(model: &Model, error: &StepError) -> String {
     let StepError::NotFinite { particle, time } = *error else { return error.to_string() };
     let cell = |(name, grid): (&str, muslin::model::Grid)| {
         grid.cell(particle).map(|(column, row)| format!(" (column {column}, row {row} of cloth `{name}`)"))

@@ -2,9 +2,11 @@
 
 use muslin::force::Family;
 use muslin::observe::{EnergyTerms, ExpectOutcome, Recorder, relative_residual};
-use muslin::scene::{ExpectedRange, Method, Start};
+use muslin::scene::{ExpectedQuantity, ExpectedRange, Method, Start};
 use muslin::{Model, Scene};
 use serde_json::{Map, Value, json};
+
+use crate::progress::all_digits;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +95,14 @@ impl Summary<'_> {
     }
 }
 
+/// What the complete `scene` gave of what it expects; nothing of a run that has ended early.
+pub(crate) fn outcomes(scene: &Scene, recorder: &Recorder, ending: &Ending) -> Vec<ExpectOutcome> {
+    match ending {
+        Ending::Complete => scene.expectations().iter().map(|line| line.check(recorder)).collect(),
+        Ending::Interrupted | Ending::Failed(_) => Vec::new(),
+    }
+}
+
 /// The ledger at the last frame, and the residual of all frames relative to the largest term.
 fn energy_json<'a>(frames: impl Iterator<Item = &'a EnergyTerms> + Clone) -> Value {
     let mut object = Map::new();
@@ -104,18 +114,29 @@ fn energy_json<'a>(frames: impl Iterator<Item = &'a EnergyTerms> + Clone) -> Val
 fn outcome_json(outcome: &ExpectOutcome) -> Value {
     json!({
         "quantity": outcome.quantity.name(),
-        "range": range_text(outcome.range),
+        "range": range_text(outcome),
         "value": outcome.value,
         "met": outcome.met,
     })
 }
 
-/// A range as a person writes it.
-pub(crate) fn range_text(range: ExpectedRange) -> String {
-    match range {
-        ExpectedRange::Below(value) => format!("below {value}"),
-        ExpectedRange::Above(value) => format!("above {value}"),
-        ExpectedRange::Between(low, high) => format!("between {low} and {high}"),
+/// A range as a person writes it, with the quantity's unit.
+pub(crate) fn range_text(outcome: &ExpectOutcome) -> String {
+    let unit = unit_text(outcome.quantity);
+    match outcome.range {
+        ExpectedRange::Below(value) => format!("below {}{unit}", all_digits(value)),
+        ExpectedRange::Above(value) => format!("above {}{unit}", all_digits(value)),
+        ExpectedRange::Between(low, high) => {
+            format!("between {} and {}{unit}", all_digits(low), all_digits(high))
+        }
+    }
+}
+
+/// What follows a number of `quantity`: a blank and its unit, nothing if it is a ratio.
+pub(crate) fn unit_text(quantity: ExpectedQuantity) -> &'static str {
+    match quantity {
+        ExpectedQuantity::LowestPoint => " m",
+        ExpectedQuantity::MaxStrain | ExpectedQuantity::EnergyResidual => "",
     }
 }
 

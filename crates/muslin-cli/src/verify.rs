@@ -1,23 +1,40 @@
 //! `muslin verify`.
 
 use std::fs::{self, File};
-use std::io::{BufReader, Write, stdout};
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use muslin::observe::StateHash;
+use muslin::observe::{Recorder, StateHash};
 use muslin::write::{FrameSource, MotionSource, TrajectoryReader};
 use muslin::{Points, Scene, Simulation};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::args::VerifyArguments;
 use crate::error::CliError;
-use crate::output::{SUMMARY, file_hash, text_hash};
+use crate::output::{SUMMARY, file_hash, require_ended, text_hash};
+use crate::print_text;
 use crate::progress::Progress;
-use crate::run::{timed_integrator, unstable};
+use crate::run::{failure, timed_integrator, unstable};
+use crate::summary::{Ending, Summary, outcomes};
 use crate::timing::SteppingTime;
 
 const HELP: &str = "name a folder that `muslin run` wrote";
+
+/// Keys of the summary that are compared elsewhere or are not the same in every run.
+const UNCOMPARED: [&str; 8] = [
+    "muslin",
+    "final_state_hash",
+    "frame_hashes",
+    "files",
+    "threads",
+    "wall_time",
+    "stepping_time",
+    "particle_steps_per_second",
+];
+
+/// How many differing keys are named at most.
+const KEYS_NAMED: usize = 4;
 
 /// What a folder's summary says, as far as it can be verified.
 struct Recorded {
@@ -26,9 +43,10 @@ struct Recorded {
     frame_hashes: Vec<String>,
     final_state_hash: String,
     files: Vec<(String, String)>,
+    json: Value,
 }
 
-/// Compares every file of a folder with its hash, then runs its scene again and compares every frame.
+/// Compares every file of a folder with its hash, then runs its scene again and compares every frame and the summary.
 pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
     let dir = &arguments.dir;
     let recorded = Recorded::read(dir)?;
@@ -48,13 +66,11 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
     }
     if faults.is_empty() {
         let frames = recorded.frame_hashes.len();
-        let _ = writeln!(
-            stdout(),
-            "{}: verified: {} files unchanged, {frames} frames computed again with the same bits",
+        return print_text(&format!(
+            "{}: verified: {} files unchanged, {frames} frames computed again with the same bits\n",
             dir.display(),
             recorded.files.len()
-        );
-        return Ok(());
+        ));
     }
     Err(CliError::failed(
         format_args!("{} is not what its summary says\n  {}", dir.display(), faults.join("\n  ")),
@@ -64,6 +80,7 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
 
 impl Recorded {
     fn read(dir: &Path) -> Result<Self, CliError> {
+        require_ended(dir, SUMMARY)?;
         let path = dir.join(SUMMARY);
         let bytes = fs::read(&path).map_err(|error| CliError::read(&path, &error, HELP))?;
         let damaged =
@@ -84,7 +101,35 @@ impl Recorded {
                 .iter()
                 .map(|(name, hash)| (name.clone(), hash.as_str().unwrap_or_default().to_owned()))
                 .collect(),
+            json,
         })
+    }
+
+    /// Whom a difference may be put down to, if the folder is of another version.
+    fn version_note(&self) -> String {
+        let this = env!("CARGO_PKG_VERSION");
+        if self.version == this {
+            return String::new();
+        }
+        format!(" (the folder is of muslin {}, this is {this})", self.version)
+    }
+
+    /// What the summary says otherwise than `summary`, which was computed again.
+    fn summary_fault(&self, summary: &Value) -> Option<String> {
+        let mut keys = Vec::new();
+        for (key, value) in summary.as_object().into_iter().flatten() {
+            if !UNCOMPARED.contains(&key.as_str()) {
+                add_differing_keys(key, value, &self.json[key], &mut keys);
+            }
+        }
+        let more = keys.len().saturating_sub(KEYS_NAMED);
+        keys.truncate(KEYS_NAMED);
+        if keys.is_empty() {
+            return None;
+        }
+        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+        let (keys, note) = (keys.join(", "), self.version_note());
+        Some(format!("summary.json: not what was computed again: {keys}{more}{note}"))
     }
 
     /// Files that are gone or whose bytes have changed.
@@ -133,7 +178,20 @@ fn trajectory_fault(dir: &Path, frame_hashes: &[String]) -> Option<String> {
     })
 }
 
-/// The first frame of a new run that differs from the recorded one.
+/// Adds to `keys` where `found` is not `expected`, as dotted paths below `key` with what is found.
+fn add_differing_keys(key: &str, expected: &Value, found: &Value, keys: &mut Vec<String>) {
+    match (expected, found) {
+        (Value::Object(expected), Value::Object(_)) => {
+            for (name, value) in expected {
+                add_differing_keys(&format!("{key}.{name}"), value, &found[name], keys);
+            }
+        }
+        _ if expected != found => keys.push(format!("`{key}`")),
+        _ => {}
+    }
+}
+
+/// What a new run has otherwise than the recorded one: its first differing frame, or else its summary.
 fn rerun_fault(
     scene: &Scene,
     recorded: &Recorded,
@@ -143,29 +201,74 @@ fn rerun_fault(
     let mut simulation = Simulation::new(scene, integrator).map_err(|error| unstable(&error))?;
     let never = AtomicBool::new(false);
     let mut progress = Progress::new(scene.run(), 0.0, &never);
-    let fault = differing_frame(&mut simulation, recorded, &mut progress);
+    let mut recorder = Recorder::default();
+    let mut fault = differing_frame(&mut simulation, recorded, &mut recorder, &mut progress);
+    if fault.is_none() {
+        let ending = ending_again(&mut simulation, recorded, &mut recorder, &mut progress);
+        let summary = summary_again(scene, &simulation, recorded, &recorder, &ending);
+        fault = recorded.summary_fault(&summary);
+    }
     progress.finish();
     Ok(fault)
+}
+
+/// How the run ends after its last recorded frame.
+fn ending_again(
+    simulation: &mut Simulation,
+    recorded: &Recorded,
+    recorder: &mut Recorder,
+    progress: &mut Progress<'_>,
+) -> Ending {
+    if simulation.is_finished() {
+        return Ending::Complete;
+    }
+    if recorded.json["status"] != "failed" {
+        return Ending::Interrupted;
+    }
+    match simulation.advance(&mut [recorder, progress]) {
+        Err(error) => Ending::Failed(failure(simulation.model(), &error)),
+        Ok(()) => Ending::Interrupted,
+    }
+}
+
+/// The summary of what was computed again, as it is when read from its file.
+fn summary_again(
+    scene: &Scene,
+    simulation: &Simulation,
+    recorded: &Recorded,
+    recorder: &Recorder,
+    ending: &Ending,
+) -> Value {
+    let summary = Summary {
+        scene,
+        scene_hash: &recorded.scene_hash,
+        model: simulation.model(),
+        recorder,
+        ending,
+        outcomes: &outcomes(scene, recorder, ending),
+        files: &Map::new(),
+        threads: 0,
+        wall_seconds: 0.0,
+        stepping_seconds: 0.0,
+    };
+    let json = summary.to_json();
+    // Whole numbers have no sign of their own in a file.
+    serde_json::from_str(&json.to_string()).unwrap_or(json)
 }
 
 fn differing_frame(
     simulation: &mut Simulation,
     recorded: &Recorded,
+    recorder: &mut Recorder,
     progress: &mut Progress<'_>,
 ) -> Option<String> {
+    simulation.observe(&mut [recorder]);
     for (frame, expected) in recorded.frame_hashes.iter().enumerate() {
         let current = simulation.frame();
         if StateHash::new(&current.state.positions, current.velocities).to_string() != *expected {
             let time = current.state.time;
-            let mut fault = format!("computed again, frame {frame} ({time:.6} s) differs");
-            if recorded.version != env!("CARGO_PKG_VERSION") {
-                fault.push_str(&format!(
-                    " (the folder is of muslin {}, this is {})",
-                    recorded.version,
-                    env!("CARGO_PKG_VERSION")
-                ));
-            }
-            return Some(fault);
+            let note = recorded.version_note();
+            return Some(format!("computed again, frame {frame} ({time:.6} s) differs{note}"));
         }
         if frame + 1 == recorded.frame_hashes.len() {
             break;
@@ -173,7 +276,7 @@ fn differing_frame(
         if simulation.is_finished() {
             return Some(format!("the scene ends at frame {frame}, but the summary has more"));
         }
-        if let Err(error) = simulation.advance(&mut [progress]) {
+        if let Err(error) = simulation.advance(&mut [recorder, progress]) {
             return Some(format!("computed again, {error}"));
         }
     }

@@ -1,12 +1,14 @@
 //! `muslin view`.
 
-use std::io::{Write, stdout};
 use std::path::Path;
 
 use crate::error::CliError;
+use crate::output::require_ended;
+use crate::print_text;
 
 /// Opens the page of the folder `dir` in the browser.
 pub(crate) fn view(dir: &Path) -> Result<(), CliError> {
+    require_ended(dir, "view.html")?;
     let page = dir.join("view.html");
     if !page.is_file() {
         return Err(CliError::input(
@@ -21,6 +23,5 @@ pub(crate) fn view(dir: &Path) -> Result<(), CliError> {
             format_args!("open {} yourself", page.display()),
         )
     })?;
-    let _ = writeln!(stdout(), "opened {}", page.display());
-    Ok(())
+    print_text(&format!("opened {}\n", page.display()))
 }

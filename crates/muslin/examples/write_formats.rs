@@ -3,7 +3,7 @@
 //! `cargo run -p muslin --example write_formats -- FOLDER [FRAMES]`
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -41,7 +41,10 @@ impl MotionSource for Waves {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let folder = PathBuf::from(arguments.next().ok_or("which folder?")?);
+    let Some(folder) = arguments.next().map(PathBuf::from) else {
+        writeln!(io::stderr(), "usage: write_formats FOLDER [FRAMES]")?;
+        std::process::exit(2);
+    };
     let mut run = Waves(arguments.next().map_or(Ok(181), |text| text.parse())?);
     let mut surface = Surface::default();
     for (first_particle, columns, rows) in [(0, 10, 10), (100, 1, 8), (108, 1, 1)] {

@@ -15,7 +15,9 @@ const SUGGESTED_SHARE: f64 = 0.9;
 #[non_exhaustive]
 pub enum SimulationError {
     /// The constant step is larger than explicit central differences can be stable with.
-    #[error("`run.step` is {step:.6e} s, but the largest stable step of this scene is {largest:.6e} s")]
+    #[error(
+        "`run.step.constant` is {step:.6e} s, but the largest stable step of this scene is {largest:.6e} s"
+    )]
     UnstableStep {
         /// The step asked for [s].
         step: f64,

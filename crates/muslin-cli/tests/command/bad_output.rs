@@ -11,10 +11,67 @@ fn a_folder_that_is_not_empty() {
     work.write("out/notes.txt", "mine");
     work.muslin("run scene.toml --out out").assert_failure(
         2,
-        "error: out exists already and is not empty\n  help: replace its files with `--force`, or choose another \
-         folder with `--out DIR`",
+        "error: out exists already and is not empty\n  help: choose another folder with `--out DIR`",
     );
     assert_eq!(work.contents("out"), [("notes.txt".to_owned(), b"mine".to_vec())]);
+}
+
+#[test]
+fn force_replaces_nothing_but_a_run() {
+    let work = Work::with_scene(&[]);
+    fs::create_dir(work.path("out")).expect("a folder");
+    for other in ["{}", "[]", "no JSON", r#"{ "muslin": "0.1.0", "files": {} }"#] {
+        work.write("out/summary.json", other);
+        work.write("out/scene.toml", "mine");
+        let before = work.contents("out");
+        work.muslin("run scene.toml --out out --force").assert_failure(
+            2,
+            "error: out holds other files than those of a run, which `--force` does not replace\n  help: choose another \
+             folder with `--out DIR`",
+        );
+        assert_eq!(work.contents("out"), before);
+    }
+}
+
+#[test]
+fn a_run_does_not_overwrite_its_own_scene() {
+    let work = Work::with_scene(&[]);
+    let help = "choose another folder with `--out DIR`";
+    for way in ["", "--force"] {
+        work.muslin(&format!("run scene.toml --out . --set run.duration=0.25 {way}")).assert_failure(
+            2,
+            &format!("error: scene.toml would be overwritten by the files of its run\n  help: {help}"),
+        );
+        assert_eq!(work.names("."), ["scene.toml"]);
+    }
+    work.muslin("run scene.toml --out out").assert_success();
+    let before = work.contents("out");
+    work.muslin("run out/scene.toml --out ./out --set run.duration=0.25 --force").assert_failure(
+        2,
+        &format!("error: out/scene.toml would be overwritten by the files of its run\n  help: {help}"),
+    );
+    assert!(work.contents("out") == before, "the refused run changed a file");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_is_full() {
+    let work = Work::with_scene(&[]);
+    for arguments in [
+        ["new", "hanging"].as_slice(),
+        &["new"],
+        &["schema"],
+        &["check", "scene.toml"],
+        &["run", "scene.toml"],
+        &["verify", "out/scene"],
+    ] {
+        let script = "exec \"$@\" > /dev/full";
+        Outcome::of(&mut work.shell(script, arguments.iter().copied())).assert_failure(
+            1,
+            "error: the standard output could not be written: no space left on device\n  help: check where it goes",
+        );
+    }
+    work.muslin("verify out/scene").assert_success();
 }
 
 #[test]

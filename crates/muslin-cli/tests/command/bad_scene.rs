@@ -186,7 +186,7 @@ fn a_step_larger_than_stable() {
     outcome.assert_failure(
         2,
         "\
-error: `run.step` is 5.000000e-2 s, but the largest stable step of this scene is 3.012144e-2 s
+error: `run.step.constant` is 5.000000e-2 s, but the largest stable step of this scene is 3.012144e-2 s
   help: take `step = { constant = 2.500000000000e-2 }`, or try it all the same with `--set run.allow-unstable=true`",
     );
     assert_eq!(work.names("."), ["scene.toml"]);

@@ -129,6 +129,18 @@ fn nothing_to_resume() {
     assert!(work.contents("out") == before, "the refused run changed a file");
 }
 
+#[test]
+fn an_unfinished_run_is_neither_verified_nor_viewed() {
+    let work = Work::with_scene(&[]);
+    leave_unfinished(&work);
+    for command in ["verify", "view"] {
+        work.muslin(&format!("{command} out")).assert_failure(
+            2,
+            "error: out holds an unfinished run\n  help: go on with the same command and `--resume`",
+        );
+    }
+}
+
 /// A run that was killed before its first checkpoint has left nothing of worth.
 #[test]
 fn a_folder_without_checkpoint_can_be_used() {

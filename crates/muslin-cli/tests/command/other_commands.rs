@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::work::{Work, exists};
 
-const NAMES: [&str; 5] = ["hanging", "hanging-100", "flag", "free-fall", "pendulum"];
+const NAMES: [&str; 6] = ["hanging", "hanging-tangent", "hanging-100", "flag", "free-fall", "pendulum"];
 
 #[test]
 fn check_tells_what_a_run_would_be() {
@@ -57,7 +57,7 @@ fn every_new_scene_runs() {
     }
     work.muslin("new curtain").assert_failure(
         2,
-        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-100, flag, free-fall, \
+        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, free-fall, \
          pendulum",
     );
 }
@@ -78,28 +78,43 @@ fn view_needs_a_page() {
     assert!(!exists(work.path("nowhere")));
 }
 
+/// The first line of progress that a run draws on a terminal of so many `columns`.
+///
 /// `script` of util-linux gives the command a terminal; where there is none, the unit tests of progress must do.
 #[cfg(target_os = "linux")]
-#[test]
-fn a_terminal_shows_a_bar() {
+fn drawn_bar(columns: usize) -> Option<String> {
     use std::process::Command;
     for duration in ["100.0", "1000.0", "10000.0"] {
         let work = Work::with_scene(&[("duration = 0.5", &format!("duration = {duration}"))]);
-        let run = format!("'{}' run scene.toml", env!("CARGO_BIN_EXE_muslin"));
+        let run = format!("stty rows 24 cols {columns}; '{}' run scene.toml", env!("CARGO_BIN_EXE_muslin"));
         let mut script = Command::new("script");
         script.args(["-qec", &run, "/dev/null"]).current_dir(work.path("."));
-        let Ok(output) = script.env("TERM", "xterm").output() else { return };
+        let output = script.env("TERM", "xterm").output().ok()?;
         let text = String::from_utf8(output.stdout).expect("UTF-8");
         assert_eq!(output.status.code(), Some(0), "{text}");
         // A run that ends within a tenth of a second shows none.
-        if let Some(line) = text.split('\r').find(|line| line.contains("x real time")) {
-            assert!(
-                line.contains(&format!("/{duration}0 s  step 5.00 ms  ")) && line.contains(" left"),
-                "{line}"
-            );
-            assert!(line.contains('█') || line.contains('░'), "{line}");
-            return;
+        if let Some(line) = text.split('\r').find(|line| line.contains(&format!("/{duration}0 s"))) {
+            return Some(line.replace("\u{1b}[2K", ""));
         }
     }
     panic!("no run was long enough");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_shows_a_bar() {
+    let Some(line) = drawn_bar(120) else { return };
+    for part in [" s  step 5.00 ms  ", "x real time  ", " left"] {
+        assert!(line.contains(part), "{line}");
+    }
+    assert!(line.contains('█') || line.contains('░'), "{line}");
+}
+
+/// What is longer would be wrapped, and a wrapped line cannot be drawn anew.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_narrow_terminal_cuts_the_bar_off() {
+    let Some(line) = drawn_bar(30) else { return };
+    let width = line.trim_end_matches('\n').chars().filter(|letter| !letter.is_control()).count();
+    assert!(width <= 30, "{width} characters: {line:?}");
 }

@@ -5,7 +5,7 @@ use muslin::observe::StateHash;
 use muslin::{Scene, Simulation};
 use serde_json::{Value, json};
 
-use crate::work::{SMALL, Work, exists, scene};
+use crate::work::{Outcome, SMALL, Work, exists, scene};
 
 /// Files that every run writes.
 const FILES: [&str; 5] = ["cloth.glb", "scene.toml", "series.csv", "summary.json", "trajectory.npz"];
@@ -100,17 +100,37 @@ fn a_violated_expectation_fails_a_run_that_wrote_all_files() {
     outcome.assert_failure(
         1,
         &format!(
-            "error: the run does not meet its [expect] table: `lowest_point` is {value:?}, expected above 2\n  \
+            "error: the run does not meet its [expect] table: `lowest_point` is {value:?} m, expected above 2 m\n  \
              help: change the scene or what it expects; all files were written"
         ),
     );
     let outcome = work.muslin("run scene.toml --out longer --set run.duration=1.0");
-    let help = "help: the scene may expect this without `--set` only; all files were written\n";
+    let help = "help: `[expect]` was written for the scene without `--set`; all files were written\n";
     assert!(outcome.stderr.ends_with(help), "{}", outcome.stderr);
     assert_eq!(work.summary("out")["status"], json!("complete"));
     assert_eq!(work.summary("out")["expect"][0]["met"], json!(false));
     assert!(FILES.iter().all(|name| exists(work.path("out").join(name))));
     assert!(!exists(work.path("out/.partial")));
+}
+
+#[test]
+fn numbers_have_units_and_paths_are_quoted() {
+    let expect = "[expect]\nmax_strain = { below = 10.0 }\nlowest_point = { between = [-50.0, 1e-12] }\n\n[environment]";
+    let work = Work::with_scene(&[("[environment]", expect), ("origin = [0.0, 1.0", "origin = [0.0, -1.0")]);
+    let outcome = Outcome::of(&mut work.command(["run", "scene.toml", "--out", "my cloth"]));
+    outcome.assert_success();
+    let summary = work.summary("my cloth");
+    let strain = summary["expect"][0]["value"].as_f64().expect("a number");
+    let lowest = summary["expect"][1]["value"].as_f64().expect("a number");
+    for line in [
+        format!("`max_strain` is {strain:.4} ({:.1} %), expected below 10", 100.0 * strain),
+        format!("`lowest_point` is {lowest:.3} m, expected between -50 and 1e-12 m"),
+        format!("  lowest point at the end    {lowest:.5} m"),
+        "look at it: muslin view 'my cloth', or open 'my cloth/view.html'".to_owned(),
+    ] {
+        assert!(outcome.stdout.contains(&line), "{line}\n{}", outcome.stdout);
+    }
+    assert_eq!(summary["expect"][1]["range"], json!("between -50 and 1e-12 m"));
 }
 
 /// 80 x 80 particles are two blocks of the model.
@@ -150,14 +170,13 @@ fn observers_change_no_bit() {
 #[cfg(unix)]
 #[test]
 fn closed_pipes_are_no_failure() {
-    use crate::work::Outcome;
     let work = Work::with_scene(&[]);
     for arguments in
         [["run", "scene.toml"].as_slice(), &["schema"], &["new", "hanging"], &["check", "scene.toml"]]
     {
         let script = "{ \"$@\"; echo $? >&2; } | true";
         let outcome = Outcome::of(&mut work.shell(script, arguments.iter().copied()));
-        assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), "0\n"), "{arguments:?}");
+        assert_eq!((outcome.code, outcome.messages().as_str()), (Some(0), "0\n"), "{arguments:?}");
     }
     let outcome =
         Outcome::of(&mut work.shell("exec \"$@\" >&- 2>&-", ["run", "scene.toml", "--out", "silent"]));

@@ -13,14 +13,16 @@ use crate::work::Work;
 /// may lie between the two.
 #[test]
 fn an_unstable_run_stops_at_the_first_value_that_is_not_finite() {
-    for (rate, place) in [
+    for (rate, place, suggestion) in [
         (
             "20.0",
             "particle 0 (column 0, row 0 of cloth `sheet`) has no finite position or velocity at 6.850000 s",
+            "2.500000000000e-2",
         ),
         (
             "2.0",
             "particle 0 (column 0, row 0 of cloth `sheet`) has no finite position or velocity at 6.900000 s",
+            "2.631578947368e-2",
         ),
     ] {
         let work = Work::with_scene(&[
@@ -33,8 +35,8 @@ fn an_unstable_run_stops_at_the_first_value_that_is_not_finite() {
         outcome.assert_failure(
             1,
             &format!(
-                "error: {place}; out holds the frames before it\n  help: the motion has become unstable: take a step \
-                 smaller than 50.0 ms; `muslin check` names the largest stable one"
+                "error: {place}; out holds the frames before it\n  help: the motion has become unstable: the largest \
+                 stable step in the initial shape is 30.2 ms; take `step = {{ constant = {suggestion} }}`"
             ),
         );
         let summary = work.summary("out");
@@ -70,8 +72,19 @@ fn a_run_that_fails_in_its_first_step_has_advice() {
     work.muslin("run scene.toml --out out --set run.allow-unstable=true").assert_failure(
         1,
         "error: particle 1 (column 1, row 0 of cloth `sheet`) has no finite position or velocity at 50.000000 s; out \
-         holds the frames before it\n  help: the motion has become unstable: take a step smaller than 50.0 s; `muslin \
-         check` names the largest stable one",
+         holds the frames before it\n  help: the motion has become unstable: the largest stable step in the initial shape is \
+         30.1 ms; take `step = { constant = 2.710027100271e-2 }`",
     );
     assert_eq!(work.summary("out")["frames"], json!(1));
+    work.muslin("verify out").assert_success();
+}
+
+/// No step is short enough where the gravity is absurd.
+#[test]
+fn a_stable_step_is_not_to_blame() {
+    let work = Work::with_scene(&[("-9.81", "-1e308"), ("constant = 5e-3", "constant = 25e-3")]);
+    let outcome = work.muslin("run scene.toml --out out");
+    assert_eq!(outcome.code, Some(1));
+    let help = "help: check the quantities of the scene: in its initial shape the step is stable\n";
+    assert!(outcome.stderr.ends_with(help), "{}", outcome.stderr);
 }

@@ -83,7 +83,43 @@ fn a_changed_summary_is_named() {
         summary["frame_hashes"].as_array_mut().expect("hashes").pop();
         summary["final_state_hash"] = summary["frame_hashes"][9].clone();
     });
-    assert_faults(&work, "  trajectory.npz has 11 frames, but the summary has 10");
+    assert_faults(
+        &work,
+        "  trajectory.npz has 11 frames, but the summary has 10\n  summary.json: not what was computed again: `status`, `frames`, `steps.accepted`, `energy.residual` and 20 more",
+    );
+    change(&|summary| summary["status"] = json!("failed"));
+    assert_faults(&work, "  summary.json: not what was computed again: `status`");
+    for key in [
+        "error",
+        "title",
+        "duration",
+        "frames",
+        "particles",
+        "springs.shear",
+        "steps.accepted",
+        "steps.largest",
+        "energy.residual",
+        "energy.last.kinetic",
+        "strain.structural.max",
+        "strain.bend.last.mean",
+        "lowest_point.last",
+        "lowest_point.lowest",
+    ] {
+        let pointer = format!("/{}", key.replace('.', "/"));
+        change(&|summary| *summary.pointer_mut(&pointer).expect("a value") = json!(1.5));
+        assert_faults(&work, &format!("  summary.json: not what was computed again: `{key}`"));
+    }
+    change(&|summary| {
+        summary["springs"] = json!(null);
+        summary["energy"] = json!({ "residual": 0.0, "last": summary["energy"]["last"] });
+        for key in ["title", "seed", "particles"] {
+            summary[key] = json!(7.5);
+        }
+    });
+    assert_faults(
+        &work,
+        "  summary.json: not what was computed again: `title`, `seed`, `particles`, `springs` and 1 more",
+    );
     change(&|summary| summary["frame_hashes"] = json!("none"));
     work.muslin("verify out").assert_failure(
         2,
