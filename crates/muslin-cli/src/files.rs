@@ -28,8 +28,11 @@ const VIEW_VERTICES: usize = 16_400;
 /// Vertices per cloth in `poster.png` at most.
 const POSTER_VERTICES: usize = 80_000;
 
-/// Drawn coordinates relative to the largest one at time zero, at most.
-const PICTURE_LIMIT: f64 = 1e4;
+/// Drawn coordinates of a failed run relative to the largest one at time zero, at most: more shows only that it failed.
+const FAILED_LIMIT: f64 = 10.0;
+
+/// Drawn coordinates [m] at most: single precision holds the squares of distances up to there.
+const PICTURE_LIMIT: f64 = 1e18;
 
 /// Width and height of `poster.png` [pixels].
 const POSTER_SIZE: [u32; 2] = [1280, 720];
@@ -61,8 +64,8 @@ pub(crate) fn write_files(
     })?;
     let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
     let info = GlbInfo { title: scene.title(), cloth_names: &names, frame_rate: scene.run().frame_rate };
-    let pictures =
-        &mut PictureFrames::new(store).map_err(|error| CliError::write(&output.partial(), &error))?;
+    let pictures = &mut PictureFrames::new(store, matches!(ending, Ending::Failed(_)))
+        .map_err(|error| CliError::write(&output.partial(), &error))?;
     if pictures.frame_count() == 0 {
         output.remove(&["cloth.glb", "poster.png", "view.html"])?;
     } else {
@@ -119,9 +122,9 @@ struct PictureFrames<'a> {
 }
 
 impl<'a> PictureFrames<'a> {
-    /// The first frames of `store` whose coordinates stay within [`PICTURE_LIMIT`] times the largest at time zero, or
-    /// metres if that is less than a metre.
-    fn new(store: &'a mut FrameStore) -> io::Result<Self> {
+    /// The first frames of `store` whose coordinates stay within [`PICTURE_LIMIT`] and, if the run failed, within
+    /// [`FAILED_LIMIT`] times the largest at time zero, or metres if that is less than a metre.
+    fn new(store: &'a mut FrameStore, has_failed: bool) -> io::Result<Self> {
         let mut positions = Points::default();
         let mut limit = PICTURE_LIMIT;
         let mut frame_count = 0;
@@ -130,11 +133,10 @@ impl<'a> PictureFrames<'a> {
             let axes = [&positions.x, &positions.y, &positions.z];
             let largest =
                 axes.into_iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            if frame_count == 0 {
-                limit *= largest.max(1.0);
+            if frame_count == 0 && has_failed {
+                limit = limit.min(FAILED_LIMIT * largest.max(1.0));
             }
-            // Farther out, single precision cannot hold the squares of distances either.
-            if limit.min(1e18) < largest {
+            if limit < largest {
                 break;
             }
             frame_count += 1;

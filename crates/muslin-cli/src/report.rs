@@ -106,7 +106,9 @@ fn advice(run: &Run<'_>) -> String {
     let step = run.simulation.frame().state.last_step;
     let largest = largest_stable_step(model, &start, &Workers::single());
     if step <= guaranteed_stable_step(model, &start).max(largest) {
-        return "check the quantities of the scene: in its initial shape the step is stable".to_owned();
+        return "take a smaller step: this one is stable in the initial shape, but springs that stiffen need less; or check \
+                the quantities of the scene"
+            .to_owned();
     }
     let suggestion = suggested_step(run.scene.run().frame_rate, largest);
     format!(

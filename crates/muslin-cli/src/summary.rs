@@ -103,7 +103,7 @@ pub(crate) fn outcomes(scene: &Scene, recorder: &Recorder, ending: &Ending) -> V
     }
 }
 
-/// The ledger at the last frame, and the residual of all frames relative to the largest term.
+/// The ledger at the last frame, and the residual of all frames relative to the largest change of any term.
 fn energy_json<'a>(frames: impl Iterator<Item = &'a EnergyTerms> + Clone) -> Value {
     let mut object = Map::new();
     object.insert("residual".to_owned(), json!(relative_residual(frames.clone())));
