@@ -29,7 +29,7 @@ const VIEW_VERTICES: usize = 16_400;
 const POSTER_VERTICES: usize = 80_000;
 
 /// Drawn coordinates of a failed run relative to the largest one at time zero, at most: more shows only that it failed.
-const FAILED_LIMIT: f64 = 10.0;
+const FAILED_LIMIT: f64 = 3.0;
 
 /// Drawn coordinates [m] at most: single precision holds the squares of distances up to there.
 const PICTURE_LIMIT: f64 = 1e18;
