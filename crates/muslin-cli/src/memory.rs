@@ -11,9 +11,8 @@ const BYTES_PER_PARTICLE: u64 = 300;
 ///
 /// Systems that promise more memory than they have would else end this process or others in mid-run, without a word.
 pub(crate) fn require_memory(scene: &Scene) -> Result<(), CliError> {
-    let particles: usize = scene.cloths().iter().map(|cloth| cloth.grid.columns * cloth.grid.rows).sum();
     match available_memory() {
-        Some(available) => require(particles, available),
+        Some(available) => require(scene.particle_count(), available),
         None => Ok(()),
     }
 }

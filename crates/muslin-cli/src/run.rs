@@ -187,9 +187,9 @@ pub(crate) fn timed_integrator(
     threads: Option<NonZeroUsize>,
     time: &SteppingTime,
 ) -> Result<Box<dyn Integrator>, CliError> {
-    let particles: usize = scene.cloths().iter().map(|cloth| cloth.grid.columns * cloth.grid.rows).sum();
     let threads = threads.unwrap_or_else(|| {
-        let useful = NonZeroUsize::new(particles / PARTICLES_PER_THREAD).unwrap_or(NonZeroUsize::MIN);
+        let useful =
+            NonZeroUsize::new(scene.particle_count() / PARTICLES_PER_THREAD).unwrap_or(NonZeroUsize::MIN);
         std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN).min(useful)
     });
     let workers = Workers::new(threads).map_err(|error| {

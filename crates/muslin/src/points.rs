@@ -55,9 +55,7 @@ impl Points {
 
     /// Makes every coordinate `value`.
     pub fn fill(&mut self, value: f64) {
-        self.x.fill(value);
-        self.y.fill(value);
-        self.z.fill(value);
+        self.as_mut().fill(value);
     }
 
     /// Exclusive access to all points.

@@ -19,6 +19,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Number of particles of all cloths.
+    #[must_use]
+    pub fn particle_count(&self) -> usize {
+        self.cloths.iter().map(|cloth| cloth.grid.columns * cloth.grid.rows).sum()
+    }
+
     /// Title, for pages and pictures.
     #[must_use]
     pub fn title(&self) -> &str {

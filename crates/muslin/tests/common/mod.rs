@@ -221,16 +221,15 @@ pub(crate) fn for_each_step(numbers: &SceneNumbers, mut visit: impl FnMut(u32, &
     finish(&mut numbers.simulation(), &mut observer);
 }
 
+/// The larger of two errors, and NaN if either is: `f64::max` would pass over it, and a test with it.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
 /// The largest distance [m] of a point from the one of the same number.
 pub(crate) fn max_distance(a: &Points, b: &Points) -> f64 {
     assert_eq!(a.len(), b.len(), "as many points");
-    // Not `f64::max`, which would pass over NaN.
-    a.iter().zip(b.iter()).map(|(a, b)| a.distance(b)).fold(
-        0.0,
-        |max, distance| {
-            if distance <= max { max } else { distance }
-        },
-    )
+    a.iter().zip(b.iter()).map(|(a, b)| a.distance(b)).fold(0.0, larger)
 }
 
 /// Numbers that look random and are the same for the same seed: xorshift (Marsaglia 2003).

@@ -13,7 +13,7 @@
 
 use muslin::State;
 
-use crate::common::{ClothNumbers, SceneNumbers, finish, for_each_step};
+use crate::common::{ClothNumbers, SceneNumbers, finish, for_each_step, larger};
 
 const GRAVITY: f64 = 9.81;
 
@@ -37,7 +37,7 @@ fn max_error(numbers: &SceneNumbers, exact: impl Fn(f64) -> f64 + Sync) -> f64 {
     let mut max_error = 0.0_f64;
     for_each_step(numbers, |n, state: &State| {
         for height in &state.positions.y {
-            max_error = max_error.max((height - exact(f64::from(n))).abs());
+            max_error = larger(max_error, (height - exact(f64::from(n))).abs());
         }
     });
     max_error

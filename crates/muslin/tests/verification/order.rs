@@ -10,7 +10,7 @@ use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::{Points, State};
 
 use crate::common::{
-    ClothNumbers, Random, SceneNumbers, WindNumbers, for_each_step, max_distance, model_and_state,
+    ClothNumbers, Random, SceneNumbers, WindNumbers, for_each_step, larger, max_distance, model_and_state,
 };
 
 const MASS: f64 = 0.2;
@@ -121,7 +121,7 @@ fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
     let runs: Vec<Vec<Points>> = [50, 100, 200, 400, 800].map(run).into();
     let differences: Vec<f64> = runs
         .windows(2)
-        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| max_distance(a, b)).fold(0.0, f64::max))
+        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| max_distance(a, b)).fold(0.0, larger))
         .collect();
     orders(&differences)
 }
