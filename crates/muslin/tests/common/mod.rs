@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub(crate) mod random_scene;
+pub(crate) mod setup;
+pub(crate) mod spectrum;
 
 use std::fmt::Write as _;
 

@@ -5,12 +5,20 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod catenary;
 mod conservation;
 mod energy;
+mod estimator;
 mod falling;
+mod hanging_chain;
 mod laws;
+mod membrane;
+mod moduli;
 mod order;
 mod oscillator;
+mod pendulum;
+mod picture_frame;
 mod printed_form;
+mod report;
 mod stability;
 mod statics;

@@ -1,12 +1,12 @@
 //! The largest stable step, against closed forms and an eigenvalue found another way, and what happens beyond it.
 
 use glam::DVec3;
-use muslin::force::Configuration;
 use muslin::integrate::{
     CentralDifference, Integrator, Workers, guaranteed_stable_step, largest_stable_step,
 };
 use muslin::{Model, Points, State};
 
+use crate::common::setup::forces;
 use crate::common::{ClothNumbers, Random, SceneNumbers, model_and_state};
 
 const MASS: f64 = 0.01;
@@ -69,19 +69,6 @@ fn nothing_stiff_is_always_stable() {
         assert_eq!(largest_stable_step(&model, &state, &Workers::single()), f64::INFINITY);
         assert_eq!(guaranteed_stable_step(&model, &state), f64::INFINITY);
     }
-}
-
-/// Forces [N] on all particles at `positions` [m].
-fn forces(model: &Model, positions: &Points) -> Points {
-    let mut forces = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions };
-    let mut rest = forces.as_mut();
-    for block in model.blocks() {
-        let (mut own, others) = rest.split_at(block.len());
-        model.forces().iter().for_each(|force| force.add_forces(at, block, &mut own));
-        rest = others;
-    }
-    forces
 }
 
 /// The largest eigenvalue of K / m by power iteration on differences of the forces, which knows nothing of tangents.
@@ -148,7 +135,8 @@ fn step_of_a_large_grid() {
     }
 }
 
-/// The largest distance [m] of any particle from where it started, over 2000 steps of `share` of the largest stable one.
+/// The largest distance [m] of any particle from where it started, over 2000 steps of `share` of the largest stable
+/// one.
 ///
 /// The chain starts with a small random stretch, so that it stays linear as long as it is stable.
 fn excursion(numbers: &SceneNumbers, share: f64) -> f64 {
