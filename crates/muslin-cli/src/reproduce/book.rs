@@ -1,4 +1,4 @@
-//! The report as Markdown, which the book includes piece by piece: all but what depends on the machine.
+//! The report as Markdown, which the book includes section by section: all but what depends on the machine.
 
 use std::fmt::Write as _;
 
@@ -7,30 +7,29 @@ use super::report::{Content, Figure, Item, Report, Table};
 /// Folder of the figures, relative to the page of the book that includes them.
 const FOLDER: &str = "paper";
 
-/// The pieces, each between anchors with the name of its figure or table, and the texts of a section with the section's.
+/// The sections, each between anchors with its name.
 pub(crate) fn markdown(report: &Report) -> String {
     let mut out =
         "<!-- Written by `muslin reproduce`; CI compares it with what the command writes. -->\n".to_owned();
     for section in &report.sections {
-        let texts = section.items.iter().filter_map(|item| match item {
-            Item::Text(text) => Some(text.as_str()),
-            _ => None,
-        });
-        let texts: Vec<&str> = texts.collect();
-        anchored(&mut out, section.name, &(texts.join("\n\n") + "\n"));
-        for item in &section.items {
-            match item {
-                Item::Figure(figure) => anchored(&mut out, figure.name, &figure_text(figure)),
-                Item::Table(table) => anchored(&mut out, table.name, &table_text(table)),
-                Item::Text(_) | Item::Timed(_) => {}
-            }
-        }
+        let pieces: Vec<String> = section.items.iter().filter_map(item_text).collect();
+        let (name, pieces) = (section.name, pieces.join("\n"));
+        let _ = write!(out, "\n<!-- ANCHOR: {name} -->\n{pieces}<!-- ANCHOR_END: {name} -->\n");
     }
     out
 }
 
-fn anchored(out: &mut String, name: &str, text: &str) {
-    let _ = write!(out, "\n<!-- ANCHOR: {name} -->\n{text}<!-- ANCHOR_END: {name} -->\n");
+fn item_text(item: &Item) -> Option<String> {
+    match item {
+        Item::Text(text) => Some(format!("{text}\n")),
+        Item::Terms(terms) => {
+            let lines = terms.iter().map(|(name, text)| format!("- **{name}**: {text}\n"));
+            Some(lines.collect())
+        }
+        Item::Figure(figure) => Some(figure_text(figure)),
+        Item::Table(table) => Some(table_text(table)),
+        Item::Timed(_) => None,
+    }
 }
 
 fn figure_text(figure: &Figure) -> String {

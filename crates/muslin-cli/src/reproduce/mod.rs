@@ -3,15 +3,16 @@
 //! Each section computes its numbers and puts them into a [`Report`](report::Report), from which page, tables and the book's
 //! pieces are written.
 
+mod accuracy;
 mod axis;
 mod book;
-mod cost;
 mod drawing;
 mod extent;
 mod folder;
 mod hanging;
 mod limit;
 mod page;
+mod particles;
 mod plot;
 mod progress;
 mod refinement;
@@ -62,8 +63,8 @@ fn compute(extent: &Extent, progress: &Progress<'_>) -> Result<Report, CliError>
         hanging::section(extent.is_quick, 0.03, progress)?,
         limit::section(extent, 0.1, progress)?,
         refinement::section(extent, 0.67, progress)?,
-        cost::particles_section(extent, 0.1, progress)?,
-        cost::steps_section(extent, 0.1, progress)?,
+        particles::section(extent, 0.1, progress)?,
+        accuracy::section(extent, 0.1, progress)?,
     ];
     Ok(Report { is_quick: extent.is_quick, sections })
 }
@@ -88,7 +89,7 @@ fn files(report: &Report, elapsed: Duration) -> Vec<(String, Vec<u8>)> {
                     }
                 }
             },
-            Item::Text(_) | Item::Timed(_) => {}
+            Item::Text(_) | Item::Terms(_) | Item::Timed(_) => {}
         }
     }
     files.push((BOOK.to_owned(), book::markdown(report).into_bytes()));

@@ -31,11 +31,12 @@ pub(crate) fn page(report: &Report, wall_time: &str) -> String {
              Leave out <code>--quick</code> for the results.</p>\n",
         );
     }
-    out.push_str("<nav>");
+    out.push_str("<dl>\n");
     for section in &report.sections {
-        let _ = write!(out, "<a href=\"#{}\">{}</a>", section.name, escaped(section.title));
+        let (name, title, finding) = (section.name, escaped(section.title), with_code(&section.finding));
+        let _ = writeln!(out, "<dt><a href=\"#{name}\">{title}</a></dt><dd>{finding}</dd>");
     }
-    out.push_str("</nav>\n");
+    out.push_str("</dl>\n");
     for section in &report.sections {
         write_section(&mut out, section);
     }
@@ -62,6 +63,13 @@ fn write_section(out: &mut String, section: &Section) {
         match item {
             Item::Text(text) => {
                 let _ = writeln!(out, "<p>{}</p>", with_code(text));
+            }
+            Item::Terms(terms) => {
+                out.push_str("<dl>\n");
+                for (name, text) in terms {
+                    let _ = writeln!(out, "<dt>{}</dt><dd>{}</dd>", escaped(name), with_code(text));
+                }
+                out.push_str("</dl>\n");
             }
             Item::Figure(figure) => write_figure(out, figure),
             Item::Table(table) => write_table(out, table),
@@ -101,19 +109,24 @@ fn write_figure(out: &mut String, figure: &Figure) {
 fn write_table(out: &mut String, table: &Table) {
     let caption = with_code(&table.caption);
     let _ = writeln!(out, "<div class=\"scroll\"><table>\n<caption>{caption}</caption>\n<thead><tr>");
-    for column in &table.columns {
-        let _ = write!(out, "<th scope=\"col\">{}</th>", escaped(column.title));
+    for (index, column) in table.columns.iter().enumerate() {
+        let class = word_class(table.rows.first().and_then(|row| row.get(index)));
+        let _ = write!(out, "<th scope=\"col\"{class}>{}</th>", escaped(column.title));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
         out.push_str("<tr>");
         for cell in row {
-            let class = if matches!(cell, Cell::Text(_)) { " class=\"word\"" } else { "" };
-            let _ = write!(out, "<td{class}>{}</td>", with_code(cell.shown()));
+            let _ = write!(out, "<td{}>{}</td>", word_class(Some(cell)), with_code(cell.shown()));
         }
         out.push_str("</tr>\n");
     }
     out.push_str("</tbody>\n</table></div>\n");
+}
+
+/// The class attribute of a cell with words.
+fn word_class(cell: Option<&Cell>) -> &'static str {
+    if matches!(cell, Some(Cell::Text(_))) { " class=\"word\"" } else { "" }
 }
 
 /// The SVG element of a plot or a drawing, with a style of its own if it stands alone; nothing for pictures.

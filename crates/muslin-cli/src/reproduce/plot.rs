@@ -33,7 +33,7 @@ const CHARACTER: f64 = 6.6;
 const SAMPLE: f64 = 30.0;
 
 /// Dashes by the number of the colour.
-const DASHES: [&str; 8] = ["", "7 3", "2 3", "9 3 2 3", "4 2", "12 4", "1 2", "6 2 2 2"];
+const DASHES: [&str; 8] = ["", "", "7 3", "2 3", "9 3 2 3", "12 4", "1 2", "6 2 2 2"];
 
 /// A plot of series over two axes.
 #[derive(Clone, Debug)]

@@ -32,9 +32,9 @@ struct Reached {
     /// Share of the work before the part at hand [1], and of that part.
     before: f64,
     part: f64,
-    /// Runs of the part, and how many of them have ended.
-    runs: usize,
-    ended: usize,
+    /// Work of the part, and how much of it is in runs that have ended.
+    work: f64,
+    ended: f64,
     next_update: Instant,
 }
 
@@ -43,15 +43,15 @@ impl<'a> Progress<'a> {
     pub(crate) fn new(interrupted: &'a AtomicBool) -> Self {
         let (bar, start) = (terminal_line(), Instant::now());
         let next_update = start + if bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
-        let state = Reached { before: 0.0, part: 0.0, runs: 1, ended: 0, next_update };
+        let state = Reached { before: 0.0, part: 0.0, work: 1.0, ended: 0.0, next_update };
         Self { interrupted, bar, start, state: Mutex::new(state) }
     }
 
-    /// A part of `share` of the work begins, in which there are so many `runs`.
-    pub(crate) fn begin(&self, share: f64, runs: usize) {
+    /// A part begins that has `share` of all work, and consists of runs with so much `work` in the measure of trials.
+    pub(crate) fn begin(&self, share: f64, work: f64) {
         let mut state = self.reached_so_far();
         state.before += state.part;
-        (state.part, state.runs, state.ended) = (share, runs.max(1), 0);
+        (state.part, state.work, state.ended) = (share, work, 0.0);
     }
 
     /// `trial` is `share` through.
@@ -62,7 +62,8 @@ impl<'a> Progress<'a> {
             return;
         }
         state.next_update = now + if self.bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
-        let done = state.before + state.part * ((state.ended as f64 + share) / state.runs as f64).min(1.0);
+        let part = (state.ended + share * trial.work) / state.work;
+        let done = state.before + state.part * part.min(1.0);
         let message = message(&trial.name, done, now - self.start);
         match &self.bar {
             Some(bar) => bar.set_message(format!("{message}  {}", bar_text(done))),
@@ -75,7 +76,7 @@ impl<'a> Progress<'a> {
 
     /// `trial` has ended.
     pub(crate) fn finished(&self, trial: &Trial) {
-        self.reached_so_far().ended += 1;
+        self.reached_so_far().ended += trial.work;
         self.reached(trial, 0.0);
     }
 

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::extent::Extent;
 use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
-use super::report::{Cell, Column, Content, Figure, Item, Section, Table};
+use super::report::{Cell, Column, Content, Figure, Item, Section, Table, per_cent};
 use super::trial::{Outcome, READINGS, Reading, Steps, Trial, run};
 use crate::error::CliError;
 
@@ -17,17 +17,22 @@ struct Case {
 
 /// The section with the table.
 pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> Result<Section, CliError> {
-    progress.begin(share, READINGS.len() * extent.sides.len());
-    let mut cases = Vec::new();
+    let mut trials = Vec::new();
     for &side in extent.sides {
         for reading in READINGS {
             let trial = Trial::new(reading, side, extent.duration, steps(reading, side)).watching_stability();
-            cases.push(Case { reading, side, outcome: run(&trial, progress)? });
+            trials.push((reading, side, trial));
         }
+    }
+    progress.begin(share, trials.iter().map(|(_, _, trial)| trial.work).sum());
+    let mut cases = Vec::new();
+    for (reading, side, trial) in trials {
+        cases.push(Case { reading, side, outcome: run(&trial, progress)? });
     }
     Ok(Section {
         name: "refinement",
         title: "Readings and grids",
+        finding: finding(&cases),
         items: vec![
             Item::text(format!(
                 "The same cloth on finer grids, {} s of each. The cloth stays the same: its mass and its drag are shared out among \
@@ -47,10 +52,28 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
     })
 }
 
-/// Steps that are stable on a grid of `side` x `side`: stiffness grows where fewer springs carry the weight.
+/// Adaptive steps where the motion does not depend on them; else a constant one with room to the largest stable one.
 fn steps(reading: Reading, side: usize) -> Steps {
-    let finer = (side as f64 / 10.0).max(1.0);
-    Steps::PerFrame(reading.steps_per_frame * finer.powf(1.34).ceil() as u64)
+    if reading.converges {
+        return Steps::Adaptive;
+    }
+    // The largest stable step falls as the side of a cell.
+    Steps::PerFrame((reading.steps_per_frame * side as u64).div_ceil(10))
+}
+
+/// Largest strains of every reading on the coarsest and on the finest grid.
+fn finding(cases: &[Case]) -> String {
+    let parts = READINGS.iter().filter_map(|reading| {
+        let mut of_reading = cases.iter().filter(|case| case.reading.name == reading.name);
+        let (first, last) = (of_reading.next()?, of_reading.next_back()?);
+        let [from, to] = [first, last].map(|case| per_cent(case.outcome.max_strain));
+        Some(format!("{} from {from} to {to}", reading.name))
+    });
+    let [from, to] = [cases.first(), cases.last()].map(|case| case.map_or(0, |case| case.side));
+    format!(
+        "From {from} x {from} to {to} x {to} particles the largest strain goes: {}.",
+        parts.collect::<Vec<_>>().join("; ")
+    )
 }
 
 fn figure(cases: &[Case]) -> Figure {

@@ -20,6 +20,8 @@ pub(crate) struct Section {
     /// Its name in links and in the book.
     pub(crate) name: &'static str,
     pub(crate) title: &'static str,
+    /// What came out, in a sentence or two for the top of the page; nothing in it depends on the machine.
+    pub(crate) finding: String,
     pub(crate) items: Vec<Item>,
 }
 
@@ -28,6 +30,8 @@ pub(crate) struct Section {
 pub(crate) enum Item {
     /// A paragraph: plain text with `code` in backticks.
     Text(String),
+    /// Names, and a text on each.
+    Terms(Vec<(String, String)>),
     Figure(Figure),
     Table(Table),
     /// What depends on the machine and its load, which the book does not repeat.
@@ -89,6 +93,8 @@ pub(crate) enum Cell {
         value: f64,
         shown: String,
     },
+    /// There is no such number.
+    None,
 }
 
 impl Item {
@@ -129,13 +135,9 @@ impl Cell {
         Self::Text(text.into())
     }
 
-    /// `value` shown as `shown`; what is no finite number is shown as such and has no value.
+    /// `value` shown as `shown`; nothing if it is no finite number.
     pub(crate) fn number(value: f64, shown: impl Into<String>) -> Self {
-        if value.is_finite() {
-            Self::Number { value, shown: shown.into() }
-        } else {
-            Self::Text("none".to_owned())
-        }
+        if value.is_finite() { Self::Number { value, shown: shown.into() } } else { Self::None }
     }
 
     /// A whole number.
@@ -145,7 +147,7 @@ impl Cell {
 
     /// A share [1], shown in per cent.
     pub(crate) fn per_cent(share: f64) -> Self {
-        Self::number(share, format!("{} %", rounded(100.0 * share, 3)))
+        Self::number(share, per_cent(share))
     }
 
     /// A number with three significant digits.
@@ -157,6 +159,7 @@ impl Cell {
     pub(crate) fn shown(&self) -> &str {
         match self {
             Self::Text(shown) | Self::Number { shown, .. } => shown,
+            Self::None => "—",
         }
     }
 
@@ -165,6 +168,7 @@ impl Cell {
         match self {
             Self::Text(text) => json!(text),
             Self::Number { value, .. } => json!(value),
+            Self::None => Value::Null,
         }
     }
 }
@@ -217,6 +221,7 @@ impl Table {
             let cells = row.iter().map(|cell| match cell {
                 Cell::Text(text) => csv_field(text),
                 Cell::Number { value, .. } => format!("{value:?}"),
+                Cell::None => String::new(),
             });
             cells.collect::<Vec<_>>().join(",")
         });
@@ -260,6 +265,11 @@ pub(crate) fn rounded(value: f64, digits: u8) -> String {
     text.replace('-', "−")
 }
 
+/// A share [1] in per cent.
+pub(crate) fn per_cent(share: f64) -> String {
+    format!("{} %", rounded(100.0 * share, 3))
+}
+
 /// 10 with `exponent` as superscript.
 pub(crate) fn power_of_ten(exponent: &str) -> String {
     const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -286,7 +296,7 @@ mod tests {
         );
         assert_eq!([0.0123, -1.5e-9].map(|value| rounded(value, 3)), ["0.0123", "−1.50 · 10⁻⁹"]);
         assert_eq!(Cell::per_cent(0.2327).shown(), "23.3 %");
-        assert_eq!(Cell::rounded(f64::NAN).shown(), "none");
+        assert_eq!(Cell::rounded(f64::NAN).shown(), "—");
     }
 
     #[test]

@@ -31,9 +31,9 @@ pub(crate) fn section() -> Section {
         vec![
             Cell::text(family.name()),
             Cell::text(match family {
-                Family::Structural => "the next particle along columns and rows",
-                Family::Shear => "the next particle along both diagonals",
-                Family::Bend => "the next particle but one along columns and rows",
+                Family::Structural => "the next along columns and rows",
+                Family::Shear => "the next along both diagonals",
+                Family::Bend => "the next but one along columns and rows",
             }),
             Cell::count(of_family().count() as u64),
             Cell::count(at_middle as u64),
@@ -65,6 +65,10 @@ pub(crate) fn section() -> Section {
     Section {
         name: "springs",
         title: "Fig. 1: particles and springs",
+        finding: format!(
+            "Three families of springs, as printed: {} springs in the paper's cloth of 10 x 10 particles.",
+            springs.len()
+        ),
         items: vec![
             Item::text(
                 "The paper's cloth is a grid of m x n mass points joined by springs of three families, each with its own \

@@ -6,7 +6,7 @@ use muslin::force::{LinearLaw, TangentLaw, TensionLaw};
 
 use super::axis::Axis;
 use super::plot::{Plot, Series, Style};
-use super::report::{Cell, Column, Content, Figure, Item, Section, Table, rounded};
+use super::report::{Cell, Column, Content, Figure, Item, Section, Table, per_cent, rounded};
 
 /// Published data, with their origin.
 const DATA: &str = include_str!("tensile.csv");
@@ -30,6 +30,25 @@ struct Measurement {
     /// Linearity [1], if it is known.
     lt: Option<f64>,
     source: String,
+}
+
+impl Measurement {
+    /// The source's authors and year.
+    fn source_name(&self) -> &str {
+        self.source.split(':').next().unwrap_or_default()
+    }
+}
+
+/// Every source once, by its authors and year.
+fn sources(measurements: &[Measurement]) -> Vec<(String, String)> {
+    let mut sources: Vec<(String, String)> = Vec::new();
+    for measurement in measurements {
+        let (name, work) = measurement.source.split_once(':').unwrap_or((&measurement.source, ""));
+        if sources.iter().all(|(known, _)| known != name) {
+            sources.push((name.to_owned(), format!("{}, quoted second-hand.", work.trim())));
+        }
+    }
+    sources
 }
 
 /// The tangent law with the extension and the linearity of a measurement.
@@ -111,11 +130,19 @@ fn fields(line: &str) -> Vec<String> {
 /// The section with the curves and the constants of the fits.
 pub(crate) fn section() -> Section {
     let measurements = measurements();
+    let paper = TangentLaw::new(1.0, PAPER_SCALE);
     let fits: Vec<(&Measurement, Fit)> =
         measurements.iter().filter_map(|m| Some((m, Fit::new(m.emt, m.lt?)))).collect();
     Section {
         name: "stretch",
         title: "Fig. 2: stretch curves",
+        finding: format!(
+            "With its scale left free, the tangent law meets both published numbers of a fabric, extension and linearity, exactly. \
+             The paper's one scale ends at a strain of {}, but {} of {} published extensions are larger.",
+            per_cent(paper.asymptote()),
+            measurements.iter().filter(|m| paper.asymptote() < m.emt).count(),
+            measurements.len()
+        ),
         items: vec![
             Item::text(
                 "Fig. 2 of the paper shows stretch curves of fabrics made of natural fibres, without numbers, to say that a \
@@ -132,10 +159,11 @@ pub(crate) fn section() -> Section {
             Item::Figure(fabrics_figure(&measurements, &fits)),
             Item::Figure(law_figure(&fits)),
             Item::Table(table(&measurements)),
+            Item::Terms(sources(&measurements)),
             Item::text(format!(
                 "The paper's curve has one scale for all, a = {PAPER_SCALE}: it ends at a strain of {}. A fabric with a larger EMT \
                  cannot be described by it, which is why muslin takes any `strain_scale`.",
-                Cell::per_cent(TangentLaw::new(1.0, PAPER_SCALE).asymptote()).shown()
+                per_cent(paper.asymptote())
             )),
         ],
     }
@@ -213,7 +241,7 @@ fn law_figure(fits: &[(&Measurement, Fit)]) -> Figure {
 fn table(measurements: &[Measurement]) -> Table {
     let rows = measurements.iter().map(|measurement| {
         let fit = measurement.lt.map(|lt| Fit::new(measurement.emt, lt));
-        let number = |value: Option<f64>| value.map_or(Cell::text("—"), Cell::rounded);
+        let number = |value: Option<f64>| value.map_or(Cell::None, Cell::rounded);
         let again = fit.map(|fit| fit.measured_again());
         vec![
             Cell::text(&*measurement.fabric),
@@ -221,13 +249,13 @@ fn table(measurements: &[Measurement]) -> Table {
             Cell::per_cent(measurement.emt),
             number(measurement.lt),
             number(fit.map(|fit| fit.scale)),
-            fit.map_or(Cell::text("—"), |fit| {
+            fit.map_or(Cell::None, |fit| {
                 Cell::number(fit.initial_stiffness, format!("{:.0}", fit.initial_stiffness))
             }),
-            fit.map_or(Cell::text("—"), |fit| Cell::per_cent(fit.law.asymptote())),
-            again.map_or(Cell::text("—"), |[emt, _]| Cell::per_cent(emt)),
+            fit.map_or(Cell::None, |fit| Cell::per_cent(fit.law.asymptote())),
+            again.map_or(Cell::None, |[emt, _]| Cell::per_cent(emt)),
             number(again.map(|[_, lt]| lt)),
-            Cell::text(&*measurement.source),
+            Cell::text(measurement.source_name()),
         ]
     });
     Table {
@@ -245,7 +273,7 @@ fn table(measurements: &[Measurement]) -> Table {
             "asymptote",
             "EMT of the law",
             "LT of the law [1]",
-            "source, quoted second-hand",
+            "source",
         ]
         .map(Column::new)
         .to_vec(),

@@ -28,28 +28,43 @@ pub(crate) struct Reading {
     pub(crate) name: &'static str,
     /// How the scene changes, as by `--set`.
     pub(crate) assignments: &'static [&'static str],
+    /// What it takes the paper's curve for.
+    pub(crate) meaning: &'static str,
     /// Number of its colour in every figure.
     pub(crate) colour: usize,
     /// Steps per frame on a grid of 10 x 10 that leave no doubt about stability.
     pub(crate) steps_per_frame: u64,
+    /// Whether the motion tends to a limit as the step gets shorter, so that steps may be chosen freely.
+    pub(crate) converges: bool,
 }
 
 /// The readings that are compared.
 pub(crate) const READINGS: [Reading; 3] = [
-    Reading { name: "none", assignments: &[], colour: 0, steps_per_frame: 20 },
+    Reading {
+        name: "none",
+        assignments: &[],
+        meaning: "No limit: Hooke's law.",
+        colour: 0,
+        steps_per_frame: 20,
+        converges: true,
+    },
     Reading {
         name: "tangent",
         assignments: &[
             "fabric.paper.structural={ stiffness = 60.0, law = \"tangent\", strain_scale = 0.06 }",
         ],
+        meaning: "The curve turned round into a law of tension, f = k x where the elongation is y.",
         colour: 1,
         steps_per_frame: 60,
+        converges: true,
     },
     Reading {
         name: "softening",
         assignments: &["fabric.paper.structural.law=arctangent-force"],
+        meaning: "The curve taken literally as the elongation in Hooke's law, f = k y: no load above 0.0942 k L is carried.",
         colour: 2,
         steps_per_frame: 20,
+        converges: true,
     },
 ];
 
@@ -64,6 +79,8 @@ pub(crate) fn reading(name: &str) -> Reading {
 pub(crate) struct Trial {
     /// What progress says of it.
     pub(crate) name: String,
+    /// How much work it is about, to tell progress.
+    pub(crate) work: f64,
     /// How [`SCENE`] changes, as by `--set`.
     pub(crate) assignments: Vec<String>,
     /// Whether positions of every frame are kept.
@@ -77,6 +94,10 @@ pub(crate) struct Trial {
 pub(crate) enum Steps {
     /// So many between two frames.
     PerFrame(u64),
+    /// As long as stability allows.
+    Adaptive,
+    /// As long as stability and an error per frame [m] allow.
+    Tolerance(f64),
 }
 
 impl Trial {
@@ -96,10 +117,15 @@ impl Trial {
                 assignments
                     .push(format!("run.step={{ constant = {:.15e} }}", 1.0 / (FRAME_RATE * count as f64)));
             }
+            Steps::Adaptive => assignments.push("run.step=adaptive".to_owned()),
+            Steps::Tolerance(tolerance) => {
+                assignments.push(format!("run.step={{ tolerance = {tolerance:e} }}"));
+            }
         }
         assignments.extend(reading.assignments.iter().map(|assignment| (*assignment).to_owned()));
         Self {
             name: format!("{} on {side} x {side}", reading.name),
+            work: duration * particles * particles.sqrt() * reading.steps_per_frame as f64,
             assignments,
             keeps_positions: false,
             watches_stability: false,

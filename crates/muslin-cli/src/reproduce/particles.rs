@@ -1,11 +1,11 @@
-//! The paper's two claims on cost: time grows with the number of particles, and steps must be short but not too short.
+//! The paper's first claim on cost: time grows with the number of particles.
 
 use super::axis::Axis;
 use super::extent::Extent;
 use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, rounded};
-use super::trial::{FRAME_RATE, Outcome, Steps, Trial, reading, run};
+use super::trial::{FRAME_RATE, Steps, Trial, reading, run};
 use crate::error::CliError;
 use muslin::integrate::{Workers, largest_stable_step};
 use muslin::{Model, suggested_step};
@@ -26,12 +26,9 @@ struct Cost {
 }
 
 /// The section on time against the number of particles.
-pub(crate) fn particles_section(
-    extent: &Extent,
-    share: f64,
-    progress: &Progress<'_>,
-) -> Result<Section, CliError> {
-    progress.begin(share, extent.cost_sides.len());
+pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> Result<Section, CliError> {
+    // Each takes about as long as the others.
+    progress.begin(share, extent.cost_sides.len() as f64);
     let mut costs = Vec::new();
     for &side in extent.cost_sides {
         costs.push(measure(side, progress)?);
@@ -42,6 +39,11 @@ pub(crate) fn particles_section(
     Ok(Section {
         name: "particles",
         title: "Time against the number of particles",
+        finding: format!(
+            "A simulated second takes a number of steps that grows with the number of particles to the power of {}; the time of \
+             each is about proportional to that number.",
+            rounded(steps, 3)
+        ),
         items: vec![
             Item::text(
                 "The paper says that the time of computation grows rapidly with the number of particles. A step does not: each \
@@ -76,6 +78,7 @@ fn measure(side: usize, progress: &Progress<'_>) -> Result<Cost, CliError> {
     let per_frame = (1.0 / (FRAME_RATE * step)).round() as u64;
     let frames = (MEASURED_WORK / (particles * per_frame as f64)).clamp(1.0, 30.0).round();
     let trial = Trial::new(linear, side, frames / FRAME_RATE, Steps::PerFrame(per_frame));
+    let trial = Trial { work: 1.0, ..trial };
     let outcome = run(&trial, progress)?;
     let step_seconds = outcome.stepping_seconds / outcome.steps.accepted as f64;
     Ok(Cost { side, particles, stable_step, step_seconds, steps_per_second: FRAME_RATE * per_frame as f64 })
@@ -142,97 +145,6 @@ fn cost_table(costs: &[Cost]) -> Table {
             Column::timed("time of a step [µs]"),
             Column::timed("per particle [ns]"),
             Column::timed("time of a simulated second [s]"),
-        ],
-        rows: rows.collect(),
-    }
-}
-
-/// A run with its error.
-struct Accuracy {
-    name: String,
-    outcome: Outcome,
-    error: f64,
-}
-
-/// How often the constant step is halved; the run that all are compared with has two halvings more.
-const HALVINGS: u32 = 5;
-
-/// The section on step against error.
-pub(crate) fn steps_section(
-    extent: &Extent,
-    share: f64,
-    progress: &Progress<'_>,
-) -> Result<Section, CliError> {
-    progress.begin(share, 2 * (HALVINGS + 2) as usize);
-    let mut items = vec![Item::text(
-        "The other factor, says the paper, is the step: it should be as short as possible, but the shorter it is the longer the \
-         computation takes; hence an adaptive step, of which nothing more is said. The error here is the largest distance of \
-         any particle, in any frame, from a run with a quarter of the shortest step.",
-    )];
-    for (name, table_name, figure_name) in
-        [("none", "table-7-hooke", "figure-7-hooke"), ("tangent", "table-7-tangent", "figure-7-tangent")]
-    {
-        let reading = reading(name);
-        let first = if name == "none" { 4 } else { reading.steps_per_frame };
-        let trial = |count: u64| {
-            Trial::new(reading, extent.side, extent.duration, Steps::PerFrame(count)).keeping_positions()
-        };
-        let converged = run(&trial(first << (HALVINGS + 2)), progress)?;
-        let mut rows = Vec::new();
-        for halving in 0..=HALVINGS {
-            let count = first << halving;
-            let outcome = run(&trial(count), progress)?;
-            let error = outcome.distance_to(&converged);
-            rows.push(Accuracy { name: "constant".to_owned(), outcome, error });
-        }
-        items.push(Item::Figure(error_figure(figure_name, name, &rows)));
-        items.push(Item::Table(error_table(table_name, name, &rows)));
-    }
-    // Figures beside each other, tables below.
-    items.sort_by_key(|item| matches!(item, Item::Table(_)));
-    Ok(Section { name: "steps", title: "Step against error", items })
-}
-
-fn error_figure(figure_name: &'static str, reading: &str, rows: &[Accuracy]) -> Figure {
-    let points = |name: &str| -> Vec<[f64; 2]> {
-        let of_name = rows.iter().filter(|row| row.name == name);
-        of_name.map(|row| [row.outcome.steps.accepted as f64, 1e3 * row.error]).collect()
-    };
-    Figure {
-        name: figure_name,
-        caption: format!("Error against the number of steps, with the reading {reading}."),
-        content: Content::Plot(Plot {
-            x: Axis::logarithmic("steps"),
-            y: Axis::logarithmic("error [mm]"),
-            series: vec![Series::new("constant step", 1, Style::Marked, points("constant"))],
-        }),
-    }
-}
-
-fn error_table(table_name: &'static str, reading: &str, rows: &[Accuracy]) -> Table {
-    let rows = rows.iter().map(|row| {
-        let milliseconds = |step: Option<f64>| Cell::rounded(1e3 * step.unwrap_or(f64::NAN));
-        vec![
-            Cell::text(&*row.name),
-            Cell::count(row.outcome.steps.accepted),
-            milliseconds(row.outcome.steps.smallest),
-            milliseconds(row.outcome.steps.largest),
-            Cell::rounded(1e3 * row.error),
-            Cell::rounded(row.outcome.residual()),
-            Cell::rounded(1e3 * row.outcome.stepping_seconds),
-        ]
-    });
-    Table {
-        name: table_name,
-        caption: format!("Step and error with the reading {reading}."),
-        columns: vec![
-            Column::new("step"),
-            Column::new("steps"),
-            Column::new("smallest [ms]"),
-            Column::new("largest [ms]"),
-            Column::new("error [mm]"),
-            Column::new("energy residual [1]"),
-            Column::timed("time [ms]"),
         ],
         rows: rows.collect(),
     }
