@@ -60,6 +60,27 @@ impl<L: TensionLaw> Spring<L> {
         }
     }
 
+    /// Coefficient c [N/m] of the force at `length` ℓ [m], and the largest stiffness [N/m] in any direction, zero if all
+    /// are negative: `max(k_a, c, 0)` with the axial tangent k_a.
+    #[inline(always)]
+    #[must_use]
+    pub fn coefficient_and_stiffness(&self, length: f64) -> (f64, f64) {
+        let (tension, tangent) =
+            self.law.tension_and_tangent(length - self.rest_length, self.rest_length);
+        let (coefficient, axial) = match self.direction {
+            ForceDirection::CurrentLength => {
+                let quotient = tension / length;
+                (if length > 0.0 { quotient } else { 0.0 }, tangent)
+            }
+            ForceDirection::RestLength => {
+                (tension / self.rest_length, (tangent * length + tension) / self.rest_length)
+            }
+        };
+        // Comparisons in place of `max`, which would pass over what is not a number.
+        let larger = if axial < coefficient { coefficient } else { axial };
+        (coefficient, if larger < 0.0 { 0.0 } else { larger })
+    }
+
     /// Force [N] on the end that `vector` d [m] starts from.
     #[must_use]
     pub fn force(&self, vector: DVec3) -> DVec3 {

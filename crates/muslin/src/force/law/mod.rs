@@ -24,6 +24,12 @@ pub trait TensionLaw: Copy + Send + Sync {
     /// Tangent k_t [N/m].
     fn tangent(self, extension: f64, rest_length: f64) -> f64;
 
+    /// Tension [N] and tangent [N/m] together, for laws that share work between them.
+    #[inline(always)]
+    fn tension_and_tangent(self, extension: f64, rest_length: f64) -> (f64, f64) {
+        (self.tension(extension, rest_length), self.tangent(extension, rest_length))
+    }
+
     /// Energy E [J].
     fn energy(self, extension: f64, rest_length: f64) -> f64;
 
@@ -73,6 +79,14 @@ impl TensionLaw for SpringLaw {
             Self::Linear(law) => law.tangent(extension, rest_length),
             Self::Tangent(law) => law.tangent(extension, rest_length),
             Self::Arctangent(law) => law.tangent(extension, rest_length),
+        }
+    }
+
+    fn tension_and_tangent(self, extension: f64, rest_length: f64) -> (f64, f64) {
+        match self {
+            Self::Linear(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Tangent(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
         }
     }
 

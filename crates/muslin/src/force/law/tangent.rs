@@ -76,26 +76,26 @@ impl TangentLaw {
 
 impl TensionLaw for TangentLaw {
     fn tension(self, extension: f64, rest_length: f64) -> f64 {
-        if extension <= 0.0 {
-            return self.initial_stiffness * extension;
-        }
-        let scale = self.strain_scale * rest_length;
-        let u = extension / scale;
-        let tangent =
-            if u <= CAP_ARGUMENT { libm::tan(u) } else { CAP_TANGENT + CAP_RATIO * (u - CAP_ARGUMENT) };
-        self.initial_stiffness * scale * tangent
+        self.tension_and_tangent(extension, rest_length).0
     }
 
     fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).1
+    }
+
+    fn tension_and_tangent(self, extension: f64, rest_length: f64) -> (f64, f64) {
         if extension <= 0.0 {
-            return self.initial_stiffness;
+            return (self.initial_stiffness * extension, self.initial_stiffness);
         }
-        let u = extension / (self.strain_scale * rest_length);
-        if CAP_ARGUMENT < u {
-            return self.initial_stiffness * CAP_RATIO;
-        }
-        let tangent = libm::tan(u);
-        self.initial_stiffness * (1.0 + tangent * tangent)
+        let scale = self.strain_scale * rest_length;
+        let u = extension / scale;
+        let (tangent, ratio) = if u <= CAP_ARGUMENT {
+            let tangent = libm::tan(u);
+            (tangent, 1.0 + tangent * tangent)
+        } else {
+            (CAP_TANGENT + CAP_RATIO * (u - CAP_ARGUMENT), CAP_RATIO)
+        };
+        (self.initial_stiffness * scale * tangent, self.initial_stiffness * ratio)
     }
 
     fn energy(self, extension: f64, rest_length: f64) -> f64 {
