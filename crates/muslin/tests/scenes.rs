@@ -22,7 +22,11 @@ fn scene_files() -> Vec<PathBuf> {
 fn check(file: &Path) {
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render(&name, &text)));
+    let mut load = |data: &str| {
+        std::fs::read(file.with_file_name(data)).map_err(|error| format!("{data} could not be read: {error}"))
+    };
+    let scene =
+        Scene::parse_with(&text, &mut load).unwrap_or_else(|error| panic!("{}", error.render(&name, &text)));
     assert!(!scene.expectations().is_empty(), "`{name}` expects nothing");
     let mut recorder = Recorder::default();
     finish(&mut simulation(&scene, Workers::single()), &mut recorder);
