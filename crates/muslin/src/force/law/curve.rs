@@ -180,3 +180,120 @@ fn add_integrals(strains: &[f64], pieces: &mut [Piece]) {
     // The first piece starts where the second does.
     (pieces[0].energy, pieces[0].moment) = (pieces[1].energy, pieces[1].moment);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(points: &[[f64; 2]]) -> CurveLaw {
+        CurveLaw::new(&TensionCurve::new(points).expect("a curve"))
+    }
+
+    /// Tables of every kind: stiffening and softening by much, plateaux, strains below zero, two points.
+    fn laws() -> Vec<CurveLaw> {
+        vec![
+            law(&[[0.01, 0.3], [0.03, 1.0], [0.07, 3.0], [0.08, 3.8], [0.2, 20.0]]),
+            law(&[[0.1, 0.1], [0.2, 10.0], [0.3, 1000.0]]),
+            law(&[[0.0, 0.0], [0.01, 9.0], [0.02, 10.0], [0.5, 10.0], [0.6, 10.0], [0.7, 11.0]]),
+            law(&[[-0.5, -2.0], [-0.2, -2.0], [-0.01, -0.5], [0.0, 0.0], [0.02, 3.0], [0.3, 7.0]]),
+            law(&[[0.0, 0.0], [0.05, 2.0]]),
+            law(&[[1e-9, 1e-9], [5.0, 1e3]]),
+        ]
+    }
+
+    /// Tension, its derivative by strain, and its integral, as SciPy's `PchipInterpolator` (1.17) has them.
+    #[test]
+    fn between_points_the_law_is_pchip() {
+        let law = law(&[[0.01, 0.3], [0.03, 1.0], [0.07, 3.0], [0.08, 3.8], [0.2, 20.0]]);
+        for [strain, tension, tangent, energy] in [
+            [0.0, 0.0, 28.33333333333332, 0.0],
+            [0.004, 0.11564745762711864, 29.549152542372884, 0.00022967382297551785],
+            [0.01, 0.3, 32.03389830508474, 0.0014691619585687381],
+            [0.02, 0.6291232073011735, 34.39537157757497, 0.006095099051137186],
+            [0.05, 1.8793424317617864, 48.77481389578162, 0.04270455575649671],
+            [0.0755, 3.4041001112347047, 81.89098998887654, 0.1085407457467993],
+            [0.1, 5.785420410142324, 105.10107384273127, 0.22020434184360205],
+            [0.15, 11.884358243489915, 140.5011176948746, 0.6545737990485447],
+            [0.2, 19.999999999999996, 185.76923076923063, 1.4422518982453019],
+        ] {
+            let length = 0.25;
+            let found = [
+                law.tension(strain * length, length),
+                law.tangent(strain * length, length) * length,
+                law.energy(strain * length, length) / length,
+            ];
+            for (found, expected) in found.into_iter().zip([tension, tangent, energy]) {
+                assert!(
+                    (found - expected).abs() <= 1e-14 * expected.max(1e-3),
+                    "{strain}: {found} for {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_law_passes_through_its_points_and_beyond_them_along_its_tangents() {
+        for law in laws() {
+            for (piece, strain) in law.pieces[1..].iter().zip(&law.strains) {
+                assert_eq!(law.tension(*strain, 1.0), piece.coefficients[0]);
+            }
+            let (first, last) = (law.strains[0], law.strains[law.strains.len() - 1]);
+            for (end, beyond) in [(first, -0.3), (last, 0.3), (last, 1e3)] {
+                let expected = law.tension(end, 1.0) + beyond * law.tangent(end, 1.0);
+                assert!((law.tension(end + beyond, 1.0) - expected).abs() <= 1e-14 * expected.abs());
+            }
+        }
+    }
+
+    /// Also between points: a cubic through rising points can fall where its tangents are too large.
+    #[test]
+    fn tension_never_falls_and_tangents_are_continuous() {
+        for law in laws() {
+            let (first, last) = (law.strains[0], law.strains[law.strains.len() - 1]);
+            let at = |i: u32| first - 0.1 + (last - first + 0.2) * f64::from(i) / 10_000.0;
+            for i in 0..10_000 {
+                let (tangent, rise) =
+                    (law.tangent(at(i), 1.0), law.tension(at(i + 1), 1.0) - law.tension(at(i), 1.0));
+                let rounding = 4.0 * f64::EPSILON * law.tension(at(i), 1.0).abs();
+                assert!(-rounding <= rise, "{rise} at {}", at(i));
+                assert!(-1e-12 * law.tangent(last, 1.0).max(1.0) <= tangent, "{tangent} at {}", at(i));
+            }
+            for strain in &law.strains {
+                let sides = [strain - 1e-15, *strain].map(|strain| law.tangent(strain, 1.0));
+                let scale = law.tangent(0.0, 1.0).max(sides[1]);
+                // The tangent changes by its derivative times 1e-15 / 1e-9, the narrowest piece.
+                assert!((sides[0] - sides[1]).abs() <= 1e-5 * scale, "{sides:?} at {strain}");
+            }
+            assert!(0.0 < law.tangent(0.0, 1.0));
+        }
+    }
+
+    /// Midpoint sums of f and f s. Pieces are cubic, so the error is the change of f' over n² / 24 of the interval.
+    #[test]
+    fn energy_and_moment_are_integrals_of_the_tension() {
+        for law in laws() {
+            for end in [-0.7, -0.3, -0.005, 0.005, 0.15, 0.55, 6.0] {
+                let (length, count) = (0.8, 200_000_u32);
+                let h = end / f64::from(count);
+                let (mut energy, mut moment) = (0.0, 0.0);
+                for i in 0..count {
+                    let strain = (f64::from(i) + 0.5) * h;
+                    let tension = law.tension(strain * length, length);
+                    energy += tension * h * length;
+                    moment += tension * strain * h * length * length;
+                }
+                let found = [law.energy(end * length, length), law.energy_moment(end * length, length)];
+                for (found, sum) in found.into_iter().zip([energy, moment]) {
+                    assert!((found - sum).abs() < 1e-8 * sum.abs(), "{end}: {found} for {sum}");
+                }
+            }
+        }
+    }
+
+    /// A stiffening curve, whose parabola would start with a tangent below zero.
+    #[test]
+    fn the_tangent_at_rest_is_at_least_a_third_of_the_first_slope() {
+        let law = law(&[[0.1, 0.1], [0.2, 10.0], [0.3, 1000.0]]);
+        assert!((law.tangent(0.0, 1.0) - 1.0 / 3.0).abs() < 1e-15);
+    }
+}
