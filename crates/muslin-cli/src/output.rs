@@ -131,8 +131,8 @@ impl OutputFolder {
         }
         if checkpoint.scene_hash != scene_hash {
             return Err(CliError::input(
-                format_args!("the unfinished run in {} is of another scene", path.display()),
-                "give the same scene file and the same `--set` again, or start again with `--force`",
+                format_args!("the unfinished run in {} is of another scene or other data", path.display()),
+                "give the same scene file, data files and `--set` again, or start again with `--force`",
             ));
         }
         Ok((folder, checkpoint))
