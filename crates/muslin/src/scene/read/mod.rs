@@ -38,13 +38,34 @@ impl Scene {
     ///
     /// ```
     /// use muslin::Scene;
-    /// # let text = "title = 'a'";
+    ///
+    /// let text = r#"
+    ///     title = "A bead on a thread"
+    ///     run = { duration = 0.5, step = { constant = 8.333333333333e-4 } }
+    ///     environment = { gravity = [0.0, -9.81, 0.0] }
+    ///
+    ///     [fabric.thread]
+    ///     kind = "springs"
+    ///     particle_mass = 0.01
+    ///     drag = 0.0
+    ///     structural = { law = "curve", curve = "thread.csv" }
+    ///     shear = { stiffness = 0.0, law = "linear" }
+    ///     bend = { stiffness = 0.0, law = "linear" }
+    ///
+    ///     [[cloth]]
+    ///     name = "thread"
+    ///     fabric = "thread"
+    ///     grid = { columns = 1, rows = 2, height = 1.0 }
+    ///     place = { origin = [0, 0, 0], width_axis = [0, 0, 1], height_axis = [1, 0, 0] }
+    ///     pins = [{ row = 0 }]
+    /// "#;
     /// let mut load = |name: &str| match name {
-    ///     "warp.csv" => Ok(b"strain [%],tension [N]\n1,0.5\n2,1.7\n".to_vec()),
+    ///     "thread.csv" => Ok(b"strain [%],tension [N]\n0.01,0.05\n0.02,0.12\n".to_vec()),
     ///     _ => Err("there is no such file here".to_owned()),
     /// };
-    /// let scene = Scene::parse_with(text, &mut load);
-    /// # assert!(scene.is_err());
+    /// let scene = Scene::parse_with(text, &mut load)?;
+    /// assert_eq!(scene.data_files()[0].name(), "thread.csv");
+    /// # Ok::<(), muslin::scene::SceneError>(())
     /// ```
     ///
     /// # Errors
