@@ -77,7 +77,7 @@ pub mod write;
 pub use glam;
 pub use model::Model;
 pub use points::{Points, PointsMut};
-pub use run::{Simulation, SimulationError, suggested_step};
+pub use run::{Simulation, SimulationError, initial_step, suggested_step};
 pub use scene::Scene;
 pub use state::State;
 

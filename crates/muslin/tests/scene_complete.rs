@@ -46,11 +46,11 @@ fn every_value_of_a_complete_scene_is_read() {
     let Fabric::Springs(paper) = &scene.fabrics()["paper"];
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
-    assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
-    assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
+    assert_eq!([&stiff.structural, &stiff.shear, &stiff.bend], [600.0, 200.0, 20.0].map(springs).each_ref());
 
     let [sheet, thread] = scene.cloths() else { panic!("two cloths") };
     assert_eq!((sheet.name.as_str(), sheet.fabric.as_str()), ("sheet", "paper"));

@@ -71,8 +71,8 @@ fn schema_and_parser_require_the_same_keys() {
             let missing = Scene::parse(&text).err().is_some_and(|error| {
                 matches!(error.kind(), SceneErrorKind::Missing { key: missing, .. } if *missing == format!("{path}{key}"))
             });
-            // Required because the grid has more than one column and row, and because the wind has noise.
-            let conditional = ["width", "height", "noise_time"].contains(&key);
+            // Required because the grid has more than one column and row, the wind noise, and the law a stiffness.
+            let conditional = ["width", "height", "noise_time", "stiffness"].contains(&key);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");
         }
     }

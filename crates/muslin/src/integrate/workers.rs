@@ -105,8 +105,7 @@ fn for_blocks<A: SplitArrays, R: Send>(
             let (first_arrays, second_arrays) = arrays.split_arrays(count);
             let do_first = || for_blocks(first, first_arrays, parallel, work, combine);
             let do_second = || for_blocks(second, second_arrays, parallel, work, combine);
-            let results =
-                if parallel { rayon::join(do_first, do_second) } else { (do_first(), do_second()) };
+            let results = if parallel { rayon::join(do_first, do_second) } else { (do_first(), do_second()) };
             match results {
                 (Some(first), Some(second)) => Some(combine(first, second)),
                 (first, second) => first.or(second),

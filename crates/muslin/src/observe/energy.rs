@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Frame, Observer};
 use crate::force::{Configuration, PotentialEnergies};
+use crate::points::sum_in_lanes;
 use crate::{Model, Points, PointsMut, State};
 
 /// Energies [J] at one time.
@@ -204,16 +205,4 @@ fn mean_power(before: &Points, after: &Points, velocities: &Points) -> f64 {
             sum_in_lanes(velocities, |i, velocity| 0.5 * (before[i] + after[i]) * velocity)
         })
         .sum()
-}
-
-/// Sum of `term(index, value)` over `values`, in eight partial sums so that it can use vector registers; the order is
-/// the same on every machine.
-fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
-    let mut lanes = [0.0; 8];
-    for (chunk_index, chunk) in values.chunks(8).enumerate() {
-        for (lane, (offset, &value)) in lanes.iter_mut().zip(chunk.iter().enumerate()) {
-            *lane += term(8 * chunk_index + offset, value);
-        }
-    }
-    lanes.iter().sum()
 }

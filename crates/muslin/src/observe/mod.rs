@@ -35,6 +35,11 @@ pub trait Observer: Send {
         let _ = (model, state);
     }
 
+    /// Hears that a step was tried and taken back; `state` is the one that it began from.
+    fn refused_step(&mut self, model: &Model, state: &State) {
+        let _ = (model, state);
+    }
+
     /// Looks at `frame`: first at the initial one, then at each that is reached.
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
         let _ = (model, frame);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::{DataFile, TensionCurve};
+
 /// A checked scene: what a run needs to know, in SI units.
 ///
 /// Invariants (kept by being readable only): every fabric that a cloth names exists; there is at least one cloth; all
@@ -16,6 +18,7 @@ pub struct Scene {
     pub(crate) fabrics: BTreeMap<String, Fabric>,
     pub(crate) cloths: Vec<ClothSettings>,
     pub(crate) expectations: Vec<Expectation>,
+    pub(crate) data_files: Vec<DataFile>,
 }
 
 impl Scene {
@@ -53,6 +56,12 @@ impl Scene {
     #[must_use]
     pub fn cloths(&self) -> &[ClothSettings] {
         &self.cloths
+    }
+
+    /// The files that the scene names, by name; each once.
+    #[must_use]
+    pub fn data_files(&self) -> &[DataFile] {
+        &self.data_files
     }
 
     /// What a reader of the results must know, one sentence each, in lower case and without full stop.
@@ -112,6 +121,11 @@ pub enum StepRule {
     Constant {
         /// Steps from one frame to the next, at least 1.
         steps_per_frame: u64,
+    },
+    /// `"adaptive"` or `{ tolerance = e }` [m]: as long as stability and accuracy allow.
+    Adaptive {
+        /// Largest error [m] of any position that the steps of a frame may add up to, positive, if there is a limit.
+        tolerance: Option<f64>,
     },
 }
 
@@ -194,16 +208,24 @@ pub enum ForceDirection {
 }
 
 /// Constants of one spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpringSettings {
-    /// Stiffness k [N/m], not negative.
+    /// Stiffness k [N/m], not negative; zero under the law `"curve"`, which has none.
     pub stiffness: f64,
     /// Tension against strain.
     pub law: SpringLawSettings,
 }
 
+impl SpringSettings {
+    /// Whether there are springs of this family: without stiffness there are none.
+    #[must_use]
+    pub fn has_springs(&self) -> bool {
+        matches!(self.law, SpringLawSettings::Curve(_)) || 0.0 < self.stiffness
+    }
+}
+
 /// `law` of a spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpringLawSettings {
     /// `"linear"`: f = k (ℓ - L).
     Linear,
@@ -214,6 +236,8 @@ pub enum SpringLawSettings {
     },
     /// `"arctangent-force"`: the paper's limit curve taken literally as a force; softens.
     ArctangentForce,
+    /// `"curve"`: tension against strain from a table.
+    Curve(TensionCurve),
 }
 
 /// `[[cloth]]`

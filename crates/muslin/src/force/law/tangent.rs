@@ -75,15 +75,15 @@ impl TangentLaw {
 }
 
 impl TensionLaw for TangentLaw {
-    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         self.tension_and_tangent(extension, rest_length).0
     }
 
-    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
         self.tension_and_tangent(extension, rest_length).1
     }
 
-    fn tension_and_tangent(self, extension: f64, rest_length: f64) -> (f64, f64) {
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         if extension <= 0.0 {
             return (self.initial_stiffness * extension, self.initial_stiffness);
         }
@@ -98,7 +98,7 @@ impl TensionLaw for TangentLaw {
         (self.initial_stiffness * scale * tangent, self.initial_stiffness * ratio)
     }
 
-    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return 0.5 * self.initial_stiffness * extension * extension;
         }
@@ -112,7 +112,7 @@ impl TensionLaw for TangentLaw {
         self.initial_stiffness * scale * scale * (curved + straight)
     }
 
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return self.initial_stiffness * extension * extension * extension / 3.0;
         }
