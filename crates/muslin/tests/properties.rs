@@ -51,6 +51,9 @@ fn with_vectors(
         apply(&mut cloth.width_axis, &vector);
         apply(&mut cloth.height_axis, &vector);
         apply(&mut cloth.origin, &place);
+        if let Some(motion) = &mut cloth.motion {
+            apply(&mut motion.axis, &vector);
+        }
     }
     changed
 }
@@ -140,6 +143,10 @@ proptest! {
         for cloth in &mut other.cloths {
             cloth.width *= length;
             cloth.height *= length;
+            if let Some(motion) = &mut cloth.motion {
+                motion.amplitude *= length;
+                motion.frequency /= time;
+            }
             cloth.mass *= mass;
             cloth.drag *= mass / time;
             cloth.stiffnesses = cloth.stiffnesses.map(|stiffness| stiffness * mass / (time * time));

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use muslin::scene::{
     Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method,
-    NoiseSettings, PinSettings, Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+    NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings, SpringSettings, Start,
+    StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -52,6 +53,7 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
     assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
 
+    let held = |place| PinSettings { place, motion: None };
     let [sheet, thread] = scene.cloths() else { panic!("two cloths") };
     assert_eq!((sheet.name.as_str(), sheet.fabric.as_str()), ("sheet", "paper"));
     assert_eq!(sheet.grid, GridSettings { columns: 10, rows: 20, width: 1.0, height: 2.5 });
@@ -60,17 +62,19 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(
         sheet.pins,
         [
-            PinSettings::Particle { column: 0, row: 0 },
-            PinSettings::Particle { column: 9, row: 0 },
-            PinSettings::Row(19),
-            PinSettings::Column(0),
+            held(PinPlace::Particle { column: 0, row: 0 }),
+            held(PinPlace::Particle { column: 9, row: 0 }),
+            held(PinPlace::Row(19)),
+            held(PinPlace::Column(0)),
         ]
     );
     assert_eq!((thread.name.as_str(), thread.fabric.as_str()), ("糸", "stiff paper"));
     assert_eq!(thread.grid, GridSettings { columns: 1, rows: 5, width: 0.0, height: 0.4 });
     assert_eq!(thread.place.width_axis, DVec3::new(1.0, 1.0, 0.0) / 2.0_f64.sqrt());
     assert_eq!(thread.place.height_axis, DVec3::NEG_Z);
-    assert_eq!(thread.pins, [PinSettings::Row(0), PinSettings::Row(4)]);
+    let motion = PinMotionSettings::Sine { axis: DVec3::Z, amplitude: 0.1, frequency: 3.0, phase: 0.5 };
+    let moving = PinSettings { place: PinPlace::Row(4), motion: Some(motion) };
+    assert_eq!(thread.pins, [held(PinPlace::Row(0)), moving]);
 
     let expectation = |quantity, range| Expectation { quantity, range };
     assert_eq!(

@@ -6,7 +6,7 @@ use muslin::scene::{JSON_SCHEMA, Scene, SceneErrorKind, set_value};
 use serde_json::Value;
 
 /// Where a complete scene has each object of the schema.
-const OBJECTS: [(&str, &str); 13] = [
+const OBJECTS: [(&str, &str); 14] = [
     ("", ""),
     ("/$defs/run", "run."),
     ("/$defs/step", "run.step."),
@@ -18,6 +18,7 @@ const OBJECTS: [(&str, &str); 13] = [
     ("/$defs/grid", "cloth.0.grid."),
     ("/$defs/place", "cloth.0.place."),
     ("/$defs/pin", "cloth.0.pins.0."),
+    ("/$defs/motion", "cloth.1.pins.1.motion."),
     ("/$defs/expect", "expect."),
     ("/$defs/range", "expect.max_strain."),
 ];

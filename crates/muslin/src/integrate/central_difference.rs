@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::pins::place_pins;
 use super::{Integrator, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
@@ -147,6 +148,7 @@ impl Integrator for CentralDifference {
         let finite = self.workers.all_blocks(model.blocks(), arrays, &move_block);
         state.time += step;
         state.last_step = step;
+        place_pins(model, state.time, step, state);
         if finite { Ok(()) } else { Err(not_finite(model.particles(), state)) }
     }
 
@@ -169,6 +171,7 @@ impl Integrator for CentralDifference {
             true
         };
         self.workers.all_blocks(model.blocks(), [velocities.as_mut()], &half_step_block);
+        model.moving_pins().eval_velocities(state.time, velocities);
     }
 
     fn workers(&self) -> &Workers {

@@ -227,7 +227,7 @@ pub struct ClothSettings {
     pub grid: GridSettings,
     /// Where the cloth is at time zero, at rest and flat.
     pub place: Placement,
-    /// Particles that do not move.
+    /// Particles that are held, or moved along a path. No particle has two different motions.
     pub pins: Vec<PinSettings>,
 }
 
@@ -255,9 +255,18 @@ pub struct Placement {
     pub height_axis: DVec3,
 }
 
-/// One entry of `cloth.pins`: a particle, a row or a column. Indices count from zero and are within the grid.
+/// One entry of `cloth.pins`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinSettings {
+    /// What is pinned.
+    pub place: PinPlace,
+    /// How it moves; `None` if it keeps its place.
+    pub motion: Option<PinMotionSettings>,
+}
+
+/// What a pin holds: a particle, a row or a column. Indices count from zero and are within the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PinSettings {
+pub enum PinPlace {
     /// `{ column = i, row = j }`
     Particle {
         /// Column i.
@@ -269,6 +278,22 @@ pub enum PinSettings {
     Row(usize),
     /// `{ column = i }`: every particle of the column.
     Column(usize),
+}
+
+/// `motion` of a pin: its displacement from where its cloth is placed, over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PinMotionSettings {
+    /// `kind = "sine"`: A sin(2π f t + φ) along an axis.
+    Sine {
+        /// Axis [1], of unit length.
+        axis: DVec3,
+        /// Amplitude A [m], not negative.
+        amplitude: f64,
+        /// Frequency f [1/s], not negative.
+        frequency: f64,
+        /// Phase φ [rad].
+        phase: f64,
+    },
 }
 
 /// One line of `[expect]`: a quantity of the finished run and the range it must lie in.

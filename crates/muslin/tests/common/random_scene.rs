@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::{ClothNumbers, LINEAR, Random, SceneNumbers, WindNumbers};
+use super::{ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
 
-/// Half a second of one cloth: any grid up to 8 x 8, any place, pins, wind, gravity, start and force direction.
+/// Half a second of one cloth: any grid up to 8 x 8, any place, pins, motion of pins, wind, gravity, start and force direction.
 ///
 /// The time scales are those of cloth: structural springs of 10 to 300 rad/s alone, drag of up to 20/s. The step is 0.4
 /// of what is stable for the flat cloth, which leaves room for as-printed springs to stiffen.
@@ -12,6 +12,9 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
     (1..=8_usize, 1..=8_usize, any::<u64>()).prop_map(|(columns, rows, seed)| {
         let mut random = Random::new(seed);
         let mut cloth = random_cloth(columns, rows, &mut random);
+        if random.below(3) == 0 {
+            cloth.motion = Some(random_sine(&mut random));
+        }
         let winds = (0..random.below(3)).map(|_| random_wind(cloth.mass, &mut random)).collect();
         if random.below(3) == 0 {
             cloth.drag = 0.0;
@@ -63,11 +66,21 @@ fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumber
         width_axis: (u * random.between(0.1, 3.0)).to_array(),
         height_axis: (v * random.between(0.1, 3.0)).to_array(),
         pins,
+        motion: None,
         mass,
         drag: mass * random.between(0.0, 20.0),
         rest_length_direction: random.below(2) == 0,
         stiffnesses,
         laws: [LINEAR; 3],
+    }
+}
+
+fn random_sine(random: &mut Random) -> SineNumbers {
+    SineNumbers {
+        axis: random.vector(1.0),
+        amplitude: random.between(0.0, 0.1),
+        frequency: random.between(0.0, 3.0),
+        phase: random.between(-3.0, 3.0),
     }
 }
 

@@ -6,7 +6,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::{ClothNumbers, SceneNumbers, WindNumbers, assert_golden, finish, simulation, workers};
+use common::{
+    ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish, simulation, workers,
+};
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
 use muslin::{Scene, Simulation};
@@ -36,6 +38,19 @@ fn flag() -> SceneNumbers {
             height: 0.8,
             height_axis: [0.0, 1.0, 0.0],
             pins: (0..9).map(|row| (0, row)).collect(),
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// Hung by two corners that move, in wind.
+fn shaken() -> SceneNumbers {
+    SceneNumbers {
+        winds: flag().winds,
+        cloths: vec![ClothNumbers {
+            height_axis: [0.0, -1.0, 0.0],
+            motion: Some(SineNumbers { axis: [0.0, 1.0, 3.0], amplitude: 0.1, frequency: 3.0, phase: 0.2 }),
             ..ClothNumbers::default()
         }],
         ..SceneNumbers::default()
@@ -110,6 +125,11 @@ fn flag_has_the_recorded_bits() {
 }
 
 #[test]
+fn shaken_has_the_recorded_bits() {
+    assert_golden("inline-shaken", hash(&shaken().scene(), Workers::single()));
+}
+
+#[test]
 fn free_fall_has_the_recorded_bits() {
     assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
 }
@@ -148,7 +168,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), free_fall()] {
+    for numbers in [flag(), free_fall(), shaken()] {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

@@ -11,6 +11,7 @@ mod falling;
 mod laws;
 mod order;
 mod oscillator;
+mod pins;
 mod printed_form;
 mod stability;
 mod statics;

@@ -4,6 +4,7 @@ mod cloth;
 mod environment;
 mod expect;
 mod fabric;
+mod pins;
 mod run;
 mod table;
 mod value;
