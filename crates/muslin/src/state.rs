@@ -13,6 +13,17 @@ pub struct State {
     pub velocities: Points,
     /// The step that led here [s]; zero if the velocities are those at [`time`](Self::time) itself.
     pub last_step: f64,
+    /// What [limits](crate::limit) did in that step.
+    pub limit_work: LimitWork,
+}
+
+/// Work [J] of limits on the particles in one step; zero where there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LimitWork {
+    /// On free particles.
+    pub on_free: f64,
+    /// On pins that move.
+    pub on_pins: f64,
 }
 
 impl State {
@@ -20,6 +31,6 @@ impl State {
     #[must_use]
     pub fn at_rest(positions: Points) -> Self {
         let velocities = Points::zeros(positions.len());
-        Self { time: 0.0, positions, velocities, last_step: 0.0 }
+        Self { time: 0.0, positions, velocities, last_step: 0.0, limit_work: LimitWork::default() }
     }
 }

@@ -88,6 +88,8 @@ impl Observer for StepRequests {
 const MOTION: SineNumbers =
     SineNumbers { axis: [1.0, 0.0, 0.0], amplitude: 0.01, frequency: 3.0, phase: 0.0 };
 
+const LIMIT: &str = "{ kind = \"cut-off\", strain = 1e-4 }";
+
 fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32) -> SceneNumbers {
     SceneNumbers {
         frame_intervals,
@@ -105,6 +107,7 @@ fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32
             rows,
             pins: vec![(0, 0)],
             motion: Some(MOTION),
+            limit: Some(LIMIT),
             ..ClothNumbers::default()
         }],
         ..SceneNumbers::default()

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method,
-    NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings, SpringSettings, Start,
-    StepRule, WindSettings,
+    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, LimitSettings,
+    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
+    SpringSettings, Start, StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -48,9 +48,12 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
     assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
+    assert_eq!(paper.limit, Some(cut_off));
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
+    assert_eq!(stiff.limit, Some(LimitSettings::ArctangentProjection));
     assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
 
     let held = |place| PinSettings { place, motion: None };
@@ -87,6 +90,20 @@ fn every_value_of_a_complete_scene_is_read() {
     );
 }
 
+#[test]
+fn a_scene_warns_of_its_limits() {
+    let scene = Scene::parse(COMPLETE).expect("a good scene");
+    assert_eq!(
+        scene.warnings(),
+        [
+            "`fabric.paper.limit` shortens springs that are too long after each step, so where it acts the motion \
+             depends on the step",
+            "`fabric.\"stiff paper\".limit` shortens every stretched spring after each step, so the motion depends \
+             strongly on the step: the smaller it is, the stiffer the cloth",
+        ]
+    );
+}
+
 /// What a scene may leave out has the value that the reference states.
 #[test]
 fn a_short_scene_has_the_stated_defaults() {
@@ -99,7 +116,7 @@ fn a_short_scene_has_the_stated_defaults() {
     assert_eq!((run.start, run.seed, run.allow_unstable), (Start::Consistent, 0, false));
     assert!(scene.environment().winds.is_empty() && scene.expectations().is_empty());
     let Fabric::Springs(fabric) = &scene.fabrics()["f"];
-    assert_eq!(fabric.force_direction, ForceDirection::CurrentLength);
+    assert_eq!((fabric.force_direction, fabric.limit), (ForceDirection::CurrentLength, None));
     assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
     assert!(scene.cloths()[0].pins.is_empty());
 }

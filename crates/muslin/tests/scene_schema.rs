@@ -6,7 +6,7 @@ use muslin::scene::{JSON_SCHEMA, Scene, SceneErrorKind, set_value};
 use serde_json::Value;
 
 /// Where a complete scene has each object of the schema.
-const OBJECTS: [(&str, &str); 14] = [
+const OBJECTS: [(&str, &str); 15] = [
     ("", ""),
     ("/$defs/run", "run."),
     ("/$defs/step", "run.step."),
@@ -14,6 +14,7 @@ const OBJECTS: [(&str, &str); 14] = [
     ("/$defs/wind", "environment.wind.0."),
     ("/$defs/fabric", "fabric.paper."),
     ("/$defs/springs", "fabric.paper.shear."),
+    ("/$defs/limit", "fabric.paper.limit."),
     ("/$defs/cloth", "cloth.0."),
     ("/$defs/grid", "cloth.0.grid."),
     ("/$defs/place", "cloth.0.place."),
@@ -72,8 +73,9 @@ fn schema_and_parser_require_the_same_keys() {
             let missing = Scene::parse(&text).err().is_some_and(|error| {
                 matches!(error.kind(), SceneErrorKind::Missing { key: missing, .. } if *missing == format!("{path}{key}"))
             });
-            // Required because the grid has more than one column and row, and because the wind has noise.
-            let conditional = ["width", "height", "noise_time"].contains(&key);
+            // Required because the grid has more than one column and row, because the wind has noise, and because the
+            // limit is a cut-off.
+            let conditional = ["width", "height", "noise_time", "strain"].contains(&key);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");
         }
     }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::limits::Limiter;
 use super::pins::place_pins;
 use super::{Integrator, StepError, Workers};
 use crate::force::Configuration;
@@ -34,13 +35,14 @@ use crate::{Model, Points, PointsMut, State};
 pub struct CentralDifference {
     workers: Workers,
     forces: Points,
+    limiter: Limiter,
 }
 
 impl CentralDifference {
     /// The method for any model, on `workers`.
     #[must_use]
     pub fn new(workers: Workers) -> Self {
-        Self { workers, forces: Points::default() }
+        Self { workers, forces: Points::default(), limiter: Limiter::default() }
     }
 
     /// Prepares a `state` at its initial time, positions and velocities for a first step of `step` [s].
@@ -149,6 +151,7 @@ impl Integrator for CentralDifference {
         state.time += step;
         state.last_step = step;
         place_pins(model, state.time, step, state);
+        self.limiter.apply(model, &self.forces, step, state);
         if finite { Ok(()) } else { Err(not_finite(model.particles(), state)) }
     }
 

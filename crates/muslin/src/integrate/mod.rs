@@ -1,6 +1,7 @@
 //! Methods that move a [`State`] forward in time.
 
 mod central_difference;
+mod limits;
 mod pins;
 mod stability;
 mod workers;

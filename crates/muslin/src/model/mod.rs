@@ -16,6 +16,7 @@ pub use pin_motion::{MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
 use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};
+use crate::limit::{GridLimit, Limit};
 use crate::scene::{Fabric, NoiseSettings, PinPlace, Scene, WindSettings};
 use crate::{Points, State};
 
@@ -34,6 +35,7 @@ pub struct Model {
     moving_pins: MovingPins,
     cloths: Vec<Cloth>,
     forces: Vec<Box<dyn Force>>,
+    limits: Vec<Box<dyn Limit>>,
     blocks: Vec<Range<usize>>,
 }
 
@@ -54,6 +56,7 @@ impl Model {
         let mut moving_pins = MovingPins::default();
         let mut cloths = Vec::new();
         let mut forces: Vec<Box<dyn Force>> = Vec::new();
+        let mut limits: Vec<Box<dyn Limit>> = Vec::new();
         let environment = scene.environment();
         if environment.gravity != glam::DVec3::ZERO {
             forces.push(Box::new(Gravity { acceleration: environment.gravity }));
@@ -78,6 +81,9 @@ impl Model {
                 }
             }
             forces.push(Box::new(GridSprings::new(grid, fabric)));
+            if let Some(limit) = GridLimit::new(grid, fabric) {
+                limits.push(Box::new(limit));
+            }
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
         for (index, wind) in environment.winds.iter().enumerate() {
@@ -89,7 +95,7 @@ impl Model {
             forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction, noise }));
         }
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
-        Self { particles, moving_pins, cloths, forces, blocks }
+        Self { particles, moving_pins, cloths, forces, limits, blocks }
     }
 
     /// Masses, drags and pins.
@@ -114,6 +120,12 @@ impl Model {
     #[must_use]
     pub fn forces(&self) -> &[Box<dyn Force>] {
         &self.forces
+    }
+
+    /// Limits in the order in which they are applied after each step.
+    #[must_use]
+    pub fn limits(&self) -> &[Box<dyn Limit>] {
+        &self.limits
     }
 
     /// Ranges of particles that are worked on as one.

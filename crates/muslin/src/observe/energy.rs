@@ -10,7 +10,7 @@ use crate::{Model, Points, PointsMut, State};
 /// Energies [J] at one time.
 ///
 /// ```text
-/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work − pin work + drag loss
+/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work − pin work + drag loss + limit loss
 /// ```
 ///
 /// The residual would be zero in exact integration; with central differences it falls as the step squared.
@@ -32,13 +32,15 @@ pub struct EnergyTerms {
     pub pin_work: f64,
     /// Energy that drag took from free particles since time zero.
     pub drag_loss: f64,
+    /// Energy that limits against super-elongation took since time zero.
+    pub limit_loss: f64,
     /// What does not add up.
     pub residual: f64,
 }
 
 impl EnergyTerms {
     /// Names of the terms, in the order of [`values`](Self::values).
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "kinetic",
         "elastic_structural",
         "elastic_shear",
@@ -47,12 +49,13 @@ impl EnergyTerms {
         "wind_work",
         "pin_work",
         "drag_loss",
+        "limit_loss",
         "residual",
     ];
 
     /// The terms [J] in the order of [`NAMES`](Self::NAMES).
     #[must_use]
-    pub fn values(&self) -> [f64; 9] {
+    pub fn values(&self) -> [f64; 10] {
         [
             self.kinetic,
             self.elastic_structural,
@@ -62,6 +65,7 @@ impl EnergyTerms {
             self.wind_work,
             self.pin_work,
             self.drag_loss,
+            self.limit_loss,
             self.residual,
         ]
     }
@@ -85,14 +89,14 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
             return f64::INFINITY;
         }
         residual = residual.max(terms.residual.abs());
-        for (value, initial) in terms.values().iter().zip(first.values()).take(8) {
+        for (value, initial) in terms.values().iter().zip(first.values()).take(9) {
             scale = scale.max((value - initial).abs());
         }
     }
     if scale > 0.0 { residual / scale } else { 0.0 }
 }
 
-/// Sums the work of wind and pins and the loss to drag over all steps, and takes stock at every frame.
+/// Sums the work of wind and pins and the losses to drag and limits over all steps, and takes stock at every frame.
 ///
 /// Over a step of h with displacement Δ = h v, with F_w the force of the wind and F the force of everything but the pins:
 ///
@@ -102,7 +106,7 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
 /// drag loss += Σ k_d v² h                              over the free particles
 /// ```
 ///
-/// All are of second order, like the motion itself. What moves a pin has the mass and the drag of its particle to itself:
+/// To them comes [`State::limit_work`] of every step: what limits do on pins, the pins do against it. All are of second order, like the motion itself. What moves a pin has the mass and the drag of its particle to itself:
 /// its kinetic energy and the drag on it are in no term.
 #[derive(Clone, Debug, Default)]
 pub struct EnergyLedger {
@@ -137,7 +141,8 @@ impl Observer for EnergyLedger {
             "an energy ledger sees the first frame before any step: call `Simulation::observe`"
         );
         self.current.drag_loss += drag_power(model, state) * state.last_step;
-        self.current.pin_work += self.pins.add_step(model, state);
+        self.current.limit_loss -= state.limit_work.on_free + state.limit_work.on_pins;
+        self.current.pin_work += self.pins.add_step(model, state) - state.limit_work.on_pins;
         if eval_external_forces(model, state, &mut self.external_after) {
             let power = mean_power(&self.external_before, &self.external_after, &state.velocities);
             self.current.wind_work += power * state.last_step;
@@ -170,7 +175,7 @@ impl Observer for EnergyLedger {
         };
         let gained = self.current.total() - initial.total();
         let work = self.current.wind_work + self.current.pin_work;
-        self.current.residual = gained - work + self.current.drag_loss;
+        self.current.residual = gained - work + self.current.drag_loss + self.current.limit_loss;
     }
 }
 

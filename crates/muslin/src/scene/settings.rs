@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::read::joined;
+
 /// A checked scene: what a run needs to know, in SI units.
 ///
 /// Invariants (kept by being readable only): every fabric that a cloth names exists; there is at least one cloth; all
@@ -59,15 +61,28 @@ impl Scene {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let winds = self.environment.winds.iter().enumerate();
-        winds
-            .filter_map(|(index, wind)| match wind {
-                WindSettings::ParticleForce { noise: Some(NoiseSettings { time: 0.0, .. }), .. } => Some(format!(
-                    "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
-                     depends on the step"
-                )),
-                WindSettings::ParticleForce { .. } => None,
-            })
-            .collect()
+        let of_winds = winds.filter_map(|(index, wind)| match wind {
+            WindSettings::ParticleForce { noise: Some(NoiseSettings { time: 0.0, .. }), .. } => Some(format!(
+                "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
+                 depends on the step"
+            )),
+            WindSettings::ParticleForce { .. } => None,
+        });
+        let is_used = |name: &str| self.cloths.iter().any(|cloth| cloth.fabric == name);
+        let of_limits = self.fabrics.iter().filter(|(name, _)| is_used(name)).filter_map(|(name, fabric)| {
+            let Fabric::Springs(fabric) = fabric;
+            let effect = match fabric.limit? {
+                LimitSettings::CutOff { .. } => {
+                    "shortens springs that are too long after each step, so where it acts the motion depends on the step"
+                }
+                LimitSettings::ArctangentProjection => {
+                    "shortens every stretched spring after each step, so the motion depends strongly on the step: the \
+                     smaller it is, the stiffer the cloth"
+                }
+            };
+            Some(format!("`{}.limit` {effect}", joined("fabric", name)))
+        });
+        of_winds.chain(of_limits).collect()
     }
 
     /// What the run must give.
@@ -182,6 +197,24 @@ pub struct SpringsFabric {
     pub shear: SpringSettings,
     /// Springs to the next particle but one along the grid.
     pub bend: SpringSettings,
+    /// What keeps springs from becoming too long, if anything does.
+    pub limit: Option<LimitSettings>,
+}
+
+/// `fabric.NAME.limit`: what corrects springs that are too long after each step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LimitSettings {
+    /// `kind = "cut-off"`: at most a certain strain.
+    CutOff {
+        /// Largest strain of structural springs [1], not negative.
+        strain: f64,
+        /// Largest strain of shear springs [1], not negative; `None` for any.
+        shear_strain: Option<f64>,
+        /// Passes over all springs after each step at most, from 1 to 1000.
+        passes: u32,
+    },
+    /// `kind = "arctangent-projection"`: every stretched structural spring shortened along the paper's curve.
+    ArctangentProjection,
 }
 
 /// `fabric.NAME.force_direction`: what a spring's vector is divided by to give its force a direction.

@@ -57,6 +57,8 @@ pub(crate) struct ClothNumbers {
     pub(crate) stiffnesses: [f64; 3],
     /// Their laws, as in a scene file.
     pub(crate) laws: [&'static str; 3],
+    /// The limit, as in a scene file, if there is one.
+    pub(crate) limit: Option<&'static str>,
 }
 
 /// A displacement A sin(2π f t + φ) along an axis.
@@ -117,6 +119,7 @@ impl Default for ClothNumbers {
             rest_length_direction: false,
             stiffnesses: [60.0, 20.0, 2.0],
             laws: [LINEAR; 3],
+            limit: None,
         }
     }
 }
@@ -175,6 +178,7 @@ impl ClothNumbers {
         let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
         let [structural, shear, bend] = self.stiffnesses;
         let [structural_law, shear_law, bend_law] = self.laws;
+        let limit = self.limit.map(|limit| format!("limit = {limit}\n")).unwrap_or_default();
         let motion = self.motion.as_ref().map(SineNumbers::text).unwrap_or_default();
         let pins =
             self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row}{motion} }}"));
@@ -185,7 +189,7 @@ impl ClothNumbers {
              force_direction = \"{direction}\"\n\
              structural = {{ stiffness = {structural:?}, {structural_law} }}\n\
              shear = {{ stiffness = {shear:?}, {shear_law} }}\n\
-             bend = {{ stiffness = {bend:?}, {bend_law} }}\n\
+             bend = {{ stiffness = {bend:?}, {bend_law} }}\n{limit}\
              [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
              grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
              place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\

@@ -13,7 +13,8 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
         let mut random = Random::new(seed);
         let mut cloth = random_cloth(columns, rows, &mut random);
         if random.below(3) == 0 {
-            cloth.motion = Some(random_sine(&mut random));
+            let spacing = (cloth.width / columns as f64).min(cloth.height / rows as f64);
+            cloth.motion = Some(random_sine(0.05 * spacing, &mut random));
         }
         let winds = (0..random.below(3)).map(|_| random_wind(cloth.mass, &mut random)).collect();
         if random.below(3) == 0 {
@@ -45,6 +46,22 @@ pub(crate) fn random_law_scene() -> impl Strategy<Value = SceneNumbers> {
     })
 }
 
+/// The same, with any limit or none, which act where forces stretch the cloth.
+pub(crate) fn random_limit_scene() -> impl Strategy<Value = SceneNumbers> {
+    const LIMITS: [Option<&str>; 4] = [
+        None,
+        Some("{ kind = \"arctangent-projection\" }"),
+        Some("{ kind = \"cut-off\", strain = 0.02, passes = 3 }"),
+        Some("{ kind = \"cut-off\", strain = 0.01, shear_strain = 0.02 }"),
+    ];
+    (random_law_scene(), 0..LIMITS.len()).prop_map(|(mut numbers, limit)| {
+        let cloth = &mut numbers.cloths[0];
+        // Only springs that exist can have a limit.
+        cloth.limit = LIMITS[if cloth.stiffnesses[1] > 0.0 { limit } else { limit.min(2) }];
+        numbers
+    })
+}
+
 fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumbers {
     let mass = 10.0_f64.powf(-2.0 + 1.5 * random.next());
     let frequency = 10.0_f64.powf(1.7 + 0.7 * random.next());
@@ -72,14 +89,16 @@ fn random_cloth(columns: usize, rows: usize, random: &mut Random) -> ClothNumber
         rest_length_direction: random.below(2) == 0,
         stiffnesses,
         laws: [LINEAR; 3],
+        limit: None,
     }
 }
 
-fn random_sine(random: &mut Random) -> SineNumbers {
+/// At time zero a pin is displaced already: by so little that springs stay far from where the tangent law is stiff.
+fn random_sine(largest_amplitude: f64, random: &mut Random) -> SineNumbers {
     SineNumbers {
         axis: random.vector(1.0),
-        amplitude: random.between(0.0, 0.1),
-        frequency: random.between(0.0, 3.0),
+        amplitude: random.between(0.0, largest_amplitude),
+        frequency: random.between(0.0, 10.0),
         phase: random.between(-3.0, 3.0),
     }
 }

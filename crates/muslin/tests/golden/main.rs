@@ -57,6 +57,16 @@ fn shaken() -> SceneNumbers {
     }
 }
 
+/// Falling from the horizontal, its springs held by a limit.
+fn limited(limit: &'static str) -> SceneNumbers {
+    let mut numbers = hanging();
+    numbers.cloths[0].limit = Some(limit);
+    numbers
+}
+
+const CUT_OFF: &str = "{ kind = \"cut-off\", strain = 0.05, shear_strain = 0.2 }";
+const PROJECTION: &str = "{ kind = \"arctangent-projection\" }";
+
 /// Free, with drag, started as printed.
 fn free_fall() -> SceneNumbers {
     SceneNumbers {
@@ -130,6 +140,12 @@ fn shaken_has_the_recorded_bits() {
 }
 
 #[test]
+fn limits_have_the_recorded_bits() {
+    assert_golden("inline-cut-off", hash(&limited(CUT_OFF).scene(), Workers::single()));
+    assert_golden("inline-projection", hash(&limited(PROJECTION).scene(), Workers::single()));
+}
+
+#[test]
 fn free_fall_has_the_recorded_bits() {
     assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
 }
@@ -168,7 +184,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), free_fall(), shaken()] {
+    for numbers in [flag(), free_fall(), shaken(), limited(CUT_OFF)] {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

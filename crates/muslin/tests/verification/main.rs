@@ -9,6 +9,7 @@ mod conservation;
 mod energy;
 mod falling;
 mod laws;
+mod limits;
 mod order;
 mod oscillator;
 mod pins;

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::table::{Entry, Table};
+use super::table::Entry;
 use super::value::{NumberRule, Value};
 use crate::scene::error::SceneErrorKind;
-use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
+use crate::scene::{
+    Fabric, ForceDirection, LimitSettings, SceneError, SpringLawSettings, SpringSettings, SpringsFabric,
+};
 
 pub(super) fn read(entry: Entry) -> Result<BTreeMap<String, Fabric>, SceneError> {
     let help = "add a table `[fabric.NAME]` with `kind = \"springs\"`";
@@ -21,16 +23,17 @@ fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
         kind.reject_later(&[("measured", "a measured fabric")], "use `kind = \"springs\"`")?;
         kind.choice("is not a kind of fabric", &[("springs", ())])?;
     }
-    reject_limit(&table)?;
     let particle_mass = table.take("particle_mass");
     let drag = table.take("drag");
     let force_direction = table.take("force_direction");
     let structural = table.take("structural");
     let shear = table.take("shear");
     let bend = table.take("bend");
+    let limit = table.take("limit");
     table.finish()?;
 
     kind.required("", "write `kind = \"springs\"`")?;
+    let (structural, shear) = (read_springs(structural)?, read_springs(shear)?);
     Ok(Fabric::Springs(SpringsFabric {
         particle_mass: particle_mass.number("kg", NumberRule::Positive)?,
         drag: drag.number("kg/s", NumberRule::NotNegative)?,
@@ -44,9 +47,10 @@ fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
                 ],
             )?,
         },
-        structural: read_springs(structural)?,
-        shear: read_springs(shear)?,
         bend: read_springs(bend)?,
+        limit: limit.optional().map(|limit| read_limit(limit, structural, shear)).transpose()?,
+        structural,
+        shear,
     }))
 }
 
@@ -57,7 +61,6 @@ fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
     if let Some(law) = table.peek("law").optional() {
         law.reject_later(&[("curve", "the spring law \"curve\"")], "use `law = \"linear\"`")?;
     }
-    reject_limit(&table)?;
     let stiffness = table.take("stiffness");
     let strain_scale = table.take("strain_scale");
     table.finish()?;
@@ -80,9 +83,60 @@ fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
     Ok(SpringSettings { stiffness: stiffness.number("N/m", NumberRule::NotNegative)?, law })
 }
 
-fn reject_limit(table: &Table) -> Result<(), SceneError> {
-    match table.peek("limit").optional() {
-        None => Ok(()),
-        Some(limit) => Err(limit.not_available("a strain limit", "leave it out")),
+/// Passes of a cut-off after each step, unless the scene says otherwise.
+const DEFAULT_PASSES: u32 = 8;
+
+/// Passes at most: more would take longer than a step that is so much smaller.
+const MAX_PASSES: i64 = 1000;
+
+fn read_limit(
+    value: Value,
+    structural: SpringSettings,
+    shear: SpringSettings,
+) -> Result<LimitSettings, SceneError> {
+    const HELP: &str = "write `limit = { kind = \"cut-off\", strain = 0.1 }`";
+    let mut table = value.clone().table(HELP)?;
+    let kind = table.take("kind");
+    let is_cut_off = match table.peek("kind").optional() {
+        Some(kind) => {
+            kind.choice("is not a kind of limit", &[("cut-off", true), ("arctangent-projection", false)])?
+        }
+        None => true,
+    };
+    let [strain, shear_strain, passes] = if is_cut_off {
+        ["strain", "shear_strain", "passes"].map(|key| Some(table.take(key)))
+    } else {
+        [const { None }; 3]
+    };
+    table.finish()?;
+
+    kind.required("", HELP)?;
+    check_springs(&value, "structural", structural)?;
+    let (Some(strain), Some(shear_strain), Some(passes)) = (strain, shear_strain, passes) else {
+        return Ok(LimitSettings::ArctangentProjection);
+    };
+    let shear_strain = shear_strain.optional();
+    if let Some(strain) = &shear_strain {
+        check_springs(strain, "shear", shear)?;
     }
+    let passes = passes.optional().map(|passes| passes.integer(1, MAX_PASSES)).transpose()?;
+    Ok(LimitSettings::CutOff {
+        strain: strain.number("", NumberRule::NotNegative)?,
+        shear_strain: shear_strain.map(|strain| strain.number("", NumberRule::NotNegative)).transpose()?,
+        passes: passes.map_or(DEFAULT_PASSES, |passes| passes as u32),
+    })
+}
+
+/// Checks that the springs that `value` limits exist.
+fn check_springs(value: &Value, family: &str, springs: SpringSettings) -> Result<(), SceneError> {
+    if 0.0 < springs.stiffness {
+        return Ok(());
+    }
+    Err(value.error(SceneErrorKind::Inconsistent {
+        message: format!(
+            "`{}` is of {family} springs, but their stiffness is 0, so that there are none",
+            value.path
+        ),
+        help: "leave it out, or give these springs a stiffness".to_owned(),
+    }))
 }

@@ -12,6 +12,7 @@ mod value;
 use toml::de::DeTable;
 
 use self::table::Table;
+pub(super) use self::table::joined;
 use super::Fabric;
 use super::error::{SceneError, SceneErrorKind};
 use super::{MAX_SCENE_BYTES, Scene};
