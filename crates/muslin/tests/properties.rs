@@ -3,7 +3,7 @@
 mod common;
 
 use common::random_scene::{random_law_scene, random_limit_scene};
-use common::{Random, SceneNumbers, finish, max_distance, model_and_state};
+use common::{CURVE, Random, SceneNumbers, finish, max_distance, model_and_state};
 use glam::{DQuat, DVec3};
 use muslin::force::{Configuration, PotentialEnergies};
 use muslin::integrate::{
@@ -245,7 +245,9 @@ proptest! {
         }
     }
 
-    /// K u = −dF(x + s u)/ds, by central differences with the errors above.
+    /// K u = −dF(x + s u)/ds, by central differences with the errors above. A tabulated law bends at its points: its
+    /// second derivative jumps there by up to 20 k, and a difference across is wrong by a quarter of that times the change of
+    /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
         let (model, state, size) = crumpled(&numbers);
@@ -258,7 +260,8 @@ proptest! {
         let (behind, ahead) = (forces(&model, &moved(-delta)), forces(&model, &moved(delta)));
         let differences = behind.iter().zip(ahead.iter()).map(|(b, a)| (b - a) / (2.0 * delta)).collect();
         let error = max_distance(&products, &differences) / stiffness(&numbers);
-        prop_assert!(error < 1e-8, "{error:e} of the stiffness");
+        let tolerance = if numbers.cloths[0].laws.contains(&CURVE) { 5e-5 } else { 1e-8 };
+        prop_assert!(error < tolerance, "{error:e} of the stiffness");
     }
 
     /// u · K v = v · K u to the rounding of sums of 64 particles.

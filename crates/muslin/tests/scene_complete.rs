@@ -47,14 +47,14 @@ fn every_value_of_a_complete_scene_is_read() {
     let Fabric::Springs(paper) = &scene.fabrics()["paper"];
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
-    assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
     let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
     assert_eq!(paper.limit, Some(cut_off));
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
     assert_eq!(stiff.limit, Some(LimitSettings::ArctangentProjection));
-    assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
+    assert_eq!([&stiff.structural, &stiff.shear, &stiff.bend], [600.0, 200.0, 20.0].map(springs).each_ref());
 
     let held = |place| PinSettings { place, motion: None };
     let [sheet, thread] = scene.cloths() else { panic!("two cloths") };

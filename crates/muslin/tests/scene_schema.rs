@@ -73,9 +73,9 @@ fn schema_and_parser_require_the_same_keys() {
             let missing = Scene::parse(&text).err().is_some_and(|error| {
                 matches!(error.kind(), SceneErrorKind::Missing { key: missing, .. } if *missing == format!("{path}{key}"))
             });
-            // Required because the grid has more than one column and row, because the wind has noise, and because the
-            // limit is a cut-off.
-            let conditional = ["width", "height", "noise_time", "strain"].contains(&key);
+            // Required because the grid has more than one column and row, the wind noise, the law a stiffness, and because
+            // the limit is a cut-off.
+            let conditional = ["width", "height", "noise_time", "stiffness", "strain"].contains(&key);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");
         }
     }

@@ -50,13 +50,13 @@ impl GridSprings {
     #[must_use]
     pub fn new(grid: Grid, fabric: &SpringsFabric) -> Self {
         let families = [
-            (Family::Structural, fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
-            (Family::Shear, fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
-            (Family::Bend, fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
+            (Family::Structural, &fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
+            (Family::Shear, &fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
+            (Family::Bend, &fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
         ];
         let families = families
             .into_iter()
-            .filter(|(_, settings, _)| settings.stiffness > 0.0)
+            .filter(|(_, settings, _)| settings.has_springs())
             .map(|(family, settings, places)| GridFamily {
                 family,
                 law: SpringLaw::new(settings),
@@ -103,8 +103,8 @@ impl GridSprings {
 
 impl GridFamily {
     /// A spring of `rest_length` [m].
-    fn spring(&self, rest_length: f64) -> Spring<SpringLaw> {
-        Spring { law: self.law, rest_length, direction: self.direction }
+    fn spring(&self, rest_length: f64) -> Spring<&SpringLaw> {
+        Spring { law: &self.law, rest_length, direction: self.direction }
     }
 }
 
@@ -189,14 +189,18 @@ impl Force for GridSprings {
                     let Some(pair) = neighbour.row_pair(&self.grid, row) else { continue };
                     let spring = family.spring(neighbour.rest_length);
                     let (positions, offset) = (at.positions, block.start);
-                    match family.law {
+                    // Small laws go into the loop by value, so that it need not read them again for each spring.
+                    match &family.law {
                         SpringLaw::Linear(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
+                            add_row_forces(&spring.with_law(*law), positions, &pair, offset, forces);
                         }
                         SpringLaw::Tangent(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
+                            add_row_forces(&spring.with_law(*law), positions, &pair, offset, forces);
                         }
                         SpringLaw::Arctangent(law) => {
+                            add_row_forces(&spring.with_law(*law), positions, &pair, offset, forces);
+                        }
+                        SpringLaw::Curve(law) => {
                             add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
                         }
                     }

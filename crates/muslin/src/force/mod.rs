@@ -15,7 +15,7 @@ use std::ops::Range;
 
 pub use gravity::Gravity;
 pub use grid_springs::GridSprings;
-pub use law::{ArctangentLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
 pub use noise::{Noise, RandomStream};
 pub use spring::Spring;
 pub use wind::ParticleWind;

@@ -1,11 +1,15 @@
 //! From scene text to a checked [`Scene`].
 
+mod curve;
+mod data;
 mod edit;
 mod error;
 mod excerpt;
 mod read;
 mod settings;
 
+pub use curve::{TensionCurve, TensionCurveError};
+pub use data::{DataFile, MAX_DATA_BYTES};
 pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
 pub use settings::*;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::read::joined;
+use super::{DataFile, TensionCurve};
 
 /// A checked scene: what a run needs to know, in SI units.
 ///
@@ -18,6 +19,7 @@ pub struct Scene {
     pub(crate) fabrics: BTreeMap<String, Fabric>,
     pub(crate) cloths: Vec<ClothSettings>,
     pub(crate) expectations: Vec<Expectation>,
+    pub(crate) data_files: Vec<DataFile>,
 }
 
 impl Scene {
@@ -55,6 +57,12 @@ impl Scene {
     #[must_use]
     pub fn cloths(&self) -> &[ClothSettings] {
         &self.cloths
+    }
+
+    /// The files that the scene names, by name; each once.
+    #[must_use]
+    pub fn data_files(&self) -> &[DataFile] {
+        &self.data_files
     }
 
     /// What a reader of the results must know, one sentence each, in lower case and without full stop.
@@ -227,16 +235,24 @@ pub enum ForceDirection {
 }
 
 /// Constants of one spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpringSettings {
-    /// Stiffness k [N/m], not negative.
+    /// Stiffness k [N/m], not negative; zero under the law `"curve"`, which has none.
     pub stiffness: f64,
     /// Tension against strain.
     pub law: SpringLawSettings,
 }
 
+impl SpringSettings {
+    /// Whether there are springs of this family: without stiffness there are none.
+    #[must_use]
+    pub fn has_springs(&self) -> bool {
+        matches!(self.law, SpringLawSettings::Curve(_)) || 0.0 < self.stiffness
+    }
+}
+
 /// `law` of a spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpringLawSettings {
     /// `"linear"`: f = k (ℓ - L).
     Linear,
@@ -247,6 +263,8 @@ pub enum SpringLawSettings {
     },
     /// `"arctangent-force"`: the paper's limit curve taken literally as a force; softens.
     ArctangentForce,
+    /// `"curve"`: tension against strain from a table.
+    Curve(TensionCurve),
 }
 
 /// `[[cloth]]`

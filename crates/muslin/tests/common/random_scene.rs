@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
+use super::{CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
 
 /// Half a second of one cloth: any grid up to 8 x 8, any place, pins, motion of pins, wind, gravity, start and force direction.
 ///
@@ -39,7 +39,8 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
 
 /// The same with any laws of tension. Strain scales are so large that springs stiffen by a few times, not without bound.
 pub(crate) fn random_law_scene() -> impl Strategy<Value = SceneNumbers> {
-    const LAWS: [&str; 3] = [LINEAR, "law = \"tangent\", strain_scale = 0.9", "law = \"arctangent-force\""];
+    const LAWS: [&str; 4] =
+        [LINEAR, "law = \"tangent\", strain_scale = 0.9", "law = \"arctangent-force\"", CURVE];
     (random_scene(), [0..LAWS.len(), 0..LAWS.len(), 0..LAWS.len()]).prop_map(|(mut numbers, laws)| {
         numbers.cloths[0].laws = laws.map(|law| LAWS[law]);
         numbers

@@ -7,7 +7,7 @@
 mod common;
 
 use common::{
-    ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish, simulation, workers,
+    CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish, simulation, workers,
 };
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
@@ -153,6 +153,13 @@ fn free_fall_has_the_recorded_bits() {
 #[test]
 fn pendulum_has_the_recorded_bits() {
     assert_golden("inline-pendulum", hash(&pendulum().scene(), Workers::single()));
+}
+
+#[test]
+fn curve_has_the_recorded_bits() {
+    let mut numbers = hanging();
+    numbers.cloths[0].laws = [CURVE; 3];
+    assert_golden("inline-curve", hash(&numbers.scene(), Workers::single()));
 }
 
 #[test]

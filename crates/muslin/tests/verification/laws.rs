@@ -3,7 +3,7 @@
 use muslin::force::{LinearLaw, TangentLaw};
 use muslin::observe::StrainMonitor;
 
-use super::common::{ClothNumbers, LINEAR, SceneNumbers, finish};
+use super::common::{CURVE, CURVE_POINTS, ClothNumbers, LINEAR, SceneNumbers, finish};
 
 const TANGENT: &str = "law = \"tangent\", strain_scale = 0.06";
 const ARCTANGENT: &str = "law = \"arctangent-force\"";
@@ -49,6 +49,20 @@ fn a_weight_at_rest_extends_a_spring_as_its_law_says() {
         assert!((found - exact).abs() < 1e-13, "{weight} N: {found} m for {exact} m");
         assert!(found < tangent.asymptote());
     }
+}
+
+/// Under a tabulated tension a spring has the tabulated strain, and beyond the table that of the last tangent.
+#[test]
+fn a_weight_at_rest_extends_a_spring_as_its_table_says() {
+    for [strain, tension] in CURVE_POINTS {
+        let found = extension(CURVE, 60.0 * tension);
+        assert!((found - strain).abs() < 1e-13, "{tension} k L: {found} m for {strain} m");
+    }
+    // The tangent at the end: of the parabola through the points at 0.2, 0.4 and 0.8.
+    let (near, far) = (1.0 / 0.4, 0.43 / 0.2);
+    let tangent = ((2.0 * 0.4 + 0.2) * near - 0.4 * far) / (0.4 + 0.2);
+    let (found, exact) = (extension(CURVE, 60.0 * 2.0), 0.8 + 0.3 / tangent);
+    assert!((found - exact).abs() < 1e-13, "{found} m for {exact} m");
 }
 
 /// The arctangent as a force softens: it holds 0.09 k L at tan(0.09 / 0.06) / 5π = 0.898 m, but never 0.0942 k L or more.

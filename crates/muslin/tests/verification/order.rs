@@ -10,7 +10,8 @@ use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::{Points, State};
 
 use crate::common::{
-    ClothNumbers, Random, SceneNumbers, WindNumbers, for_each_step, larger, max_distance, model_and_state,
+    CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, WindNumbers, for_each_step, larger, max_distance,
+    model_and_state,
 };
 
 const MASS: f64 = 0.2;
@@ -89,6 +90,11 @@ fn as_printed_start_is_of_first_order() {
 
 /// A cloth has no closed form: differences between runs of h, h/2, h/4, … fall like the errors (Richardson).
 fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
+    law_orders(as_printed_start, noise, LINEAR)
+}
+
+/// The same with structural springs of any law.
+fn law_orders(as_printed_start: bool, noise: [f64; 2], law: &'static str) -> Vec<f64> {
     let run = |steps_per_frame: u32| {
         let numbers = SceneNumbers {
             frame_intervals: 10,
@@ -106,6 +112,7 @@ fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
                 columns: 6,
                 rows: 5,
                 pins: vec![(0, 0), (5, 0)],
+                laws: [law, LINEAR, LINEAR],
                 ..ClothNumbers::default()
             }],
             ..SceneNumbers::default()
@@ -130,6 +137,14 @@ fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
 fn cloth_is_of_second_order() {
     let orders = cloth_orders(false, [0.0; 2]);
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.02), "{orders:?}");
+}
+
+/// A tabulated law has a continuous tangent, so a step across one of its points costs h³ as any other; how many there are
+/// changes from run to run, and the order with it.
+#[test]
+fn cloth_of_a_tabulated_law_is_of_second_order() {
+    let orders = law_orders(false, [0.0; 2], CURVE);
+    assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.05), "{orders:?}");
 }
 
 /// Noise with a correlation time is a function of time: halved steps see the same. It is straight over τ / 32 = 10 ms, a

@@ -75,7 +75,7 @@ impl TangentLaw {
 }
 
 impl TensionLaw for TangentLaw {
-    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return self.initial_stiffness * extension;
         }
@@ -86,7 +86,7 @@ impl TensionLaw for TangentLaw {
         self.initial_stiffness * scale * tangent
     }
 
-    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return self.initial_stiffness;
         }
@@ -98,7 +98,7 @@ impl TensionLaw for TangentLaw {
         self.initial_stiffness * (1.0 + tangent * tangent)
     }
 
-    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return 0.5 * self.initial_stiffness * extension * extension;
         }
@@ -112,7 +112,7 @@ impl TensionLaw for TangentLaw {
         self.initial_stiffness * scale * scale * (curved + straight)
     }
 
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return self.initial_stiffness * extension * extension * extension / 3.0;
         }

@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 
 use super::table::Entry;
 use super::value::{NumberRule, Value};
+use super::{curve, limit};
+use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
-use crate::scene::{
-    Fabric, ForceDirection, LimitSettings, SceneError, SpringLawSettings, SpringSettings, SpringsFabric,
-};
+use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
 
-pub(super) fn read(entry: Entry) -> Result<BTreeMap<String, Fabric>, SceneError> {
+pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<BTreeMap<String, Fabric>, SceneError> {
     let help = "add a table `[fabric.NAME]` with `kind = \"springs\"`";
     let table = entry.required("", help)?.table("write `[fabric.NAME]`")?;
     let fabrics = table.into_named_values();
-    fabrics.into_iter().map(|(name, fabric)| Ok((name.to_owned(), read_fabric(fabric)?))).collect()
+    fabrics.into_iter().map(|(name, fabric)| Ok((name.to_owned(), read_fabric(fabric, files)?))).collect()
 }
 
-fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
+fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError> {
     let mut table = value.table("write `[fabric.NAME]`")?;
     let kind = table.take("kind");
     if let Some(kind) = table.peek("kind").optional() {
@@ -33,7 +33,7 @@ fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
     table.finish()?;
 
     kind.required("", "write `kind = \"springs\"`")?;
-    let (structural, shear) = (read_springs(structural)?, read_springs(shear)?);
+    let (structural, shear) = (read_springs(structural, files)?, read_springs(shear, files)?);
     Ok(Fabric::Springs(SpringsFabric {
         particle_mass: particle_mass.number("kg", NumberRule::Positive)?,
         drag: drag.number("kg/s", NumberRule::NotNegative)?,
@@ -47,96 +47,76 @@ fn read_fabric(value: Value) -> Result<Fabric, SceneError> {
                 ],
             )?,
         },
-        bend: read_springs(bend)?,
-        limit: limit.optional().map(|limit| read_limit(limit, structural, shear)).transpose()?,
+        bend: read_springs(bend, files)?,
+        limit: limit.optional().map(|limit| limit::read(limit, &structural, &shear)).transpose()?,
         structural,
         shear,
     }))
 }
 
-fn read_springs(entry: Entry) -> Result<SpringSettings, SceneError> {
+/// A law by its name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LawKind {
+    Linear,
+    Tangent,
+    ArctangentForce,
+    Curve,
+}
+
+fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, SceneError> {
     const HELP: &str = "write `{ stiffness = k, law = \"linear\" }` with k in N/m; k = 0 for no springs";
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let law = table.take("law");
-    if let Some(law) = table.peek("law").optional() {
-        law.reject_later(&[("curve", "the spring law \"curve\"")], "use `law = \"linear\"`")?;
-    }
     let stiffness = table.take("stiffness");
     let strain_scale = table.take("strain_scale");
+    let curve = table.take("curve");
     table.finish()?;
 
-    let known = [
-        ("linear", SpringLawSettings::Linear),
-        ("tangent", SpringLawSettings::Tangent { strain_scale: 1.0 }),
-        ("arctangent-force", SpringLawSettings::ArctangentForce),
-    ];
-    let law_value = law.required("", "write `law = \"linear\"`")?;
-    let mut law = law_value.choice("is not the law of a spring", &known)?;
-    if let SpringLawSettings::Tangent { strain_scale: scale } = &mut law {
-        *scale = strain_scale.number("", NumberRule::Positive)?;
-    } else if let Some(scale) = strain_scale.optional() {
-        let message =
-            format!("`{}` is of the law \"tangent\", but the law is {}", scale.path, law_value.as_written());
-        let help = "leave it out, or write `law = \"tangent\"`".to_owned();
-        return Err(scale.error(SceneErrorKind::Inconsistent { message, help }));
+    let law = law.required("", "write `law = \"linear\"`")?;
+    let kind = law.choice(
+        "is not the law of a spring",
+        &[
+            ("linear", LawKind::Linear),
+            ("tangent", LawKind::Tangent),
+            ("arctangent-force", LawKind::ArctangentForce),
+            ("curve", LawKind::Curve),
+        ],
+    )?;
+    if kind != LawKind::Tangent {
+        reject_constant(strain_scale.clone(), &law, "tangent")?;
     }
+    if kind == LawKind::Curve {
+        if let Some(stiffness) = stiffness.optional() {
+            let message = format!(
+                "`{}` is given, but the law \"curve\" has its stiffness from its table",
+                stiffness.path
+            );
+            return Err(
+                stiffness.error(SceneErrorKind::Inconsistent { message, help: "leave it out".to_owned() })
+            );
+        }
+        let file = curve.required("", "write `curve = \"FILE.csv\"`")?;
+        return Ok(SpringSettings {
+            stiffness: 0.0,
+            law: SpringLawSettings::Curve(curve::read(&file, files)?),
+        });
+    }
+    reject_constant(curve, &law, "curve")?;
+    let law = match kind {
+        LawKind::Tangent => {
+            SpringLawSettings::Tangent { strain_scale: strain_scale.number("", NumberRule::Positive)? }
+        }
+        LawKind::ArctangentForce => SpringLawSettings::ArctangentForce,
+        LawKind::Linear | LawKind::Curve => SpringLawSettings::Linear,
+    };
     Ok(SpringSettings { stiffness: stiffness.number("N/m", NumberRule::NotNegative)?, law })
 }
 
-/// Passes of a cut-off after each step, unless the scene says otherwise.
-const DEFAULT_PASSES: u32 = 8;
-
-/// Passes at most: more would take longer than a step that is so much smaller.
-const MAX_PASSES: i64 = 1000;
-
-fn read_limit(
-    value: Value,
-    structural: SpringSettings,
-    shear: SpringSettings,
-) -> Result<LimitSettings, SceneError> {
-    const HELP: &str = "write `limit = { kind = \"cut-off\", strain = 0.1 }`";
-    let mut table = value.clone().table(HELP)?;
-    let kind = table.take("kind");
-    let is_cut_off = match table.peek("kind").optional() {
-        Some(kind) => {
-            kind.choice("is not a kind of limit", &[("cut-off", true), ("arctangent-projection", false)])?
-        }
-        None => true,
-    };
-    let [strain, shear_strain, passes] = if is_cut_off {
-        ["strain", "shear_strain", "passes"].map(|key| Some(table.take(key)))
-    } else {
-        [const { None }; 3]
-    };
-    table.finish()?;
-
-    kind.required("", HELP)?;
-    check_springs(&value, "structural", structural)?;
-    let (Some(strain), Some(shear_strain), Some(passes)) = (strain, shear_strain, passes) else {
-        return Ok(LimitSettings::ArctangentProjection);
-    };
-    let shear_strain = shear_strain.optional();
-    if let Some(strain) = &shear_strain {
-        check_springs(strain, "shear", shear)?;
-    }
-    let passes = passes.optional().map(|passes| passes.integer(1, MAX_PASSES)).transpose()?;
-    Ok(LimitSettings::CutOff {
-        strain: strain.number("", NumberRule::NotNegative)?,
-        shear_strain: shear_strain.map(|strain| strain.number("", NumberRule::NotNegative)).transpose()?,
-        passes: passes.map_or(DEFAULT_PASSES, |passes| passes as u32),
-    })
-}
-
-/// Checks that the springs that `value` limits exist.
-fn check_springs(value: &Value, family: &str, springs: SpringSettings) -> Result<(), SceneError> {
-    if 0.0 < springs.stiffness {
-        return Ok(());
-    }
-    Err(value.error(SceneErrorKind::Inconsistent {
-        message: format!(
-            "`{}` is of {family} springs, but their stiffness is 0, so that there are none",
-            value.path
-        ),
-        help: "leave it out, or give these springs a stiffness".to_owned(),
-    }))
+/// Rejects a constant of the law `owner` under another `law`.
+fn reject_constant(constant: Entry, law: &Value, owner: &str) -> Result<(), SceneError> {
+    let Some(constant) = constant.optional() else { return Ok(()) };
+    let message =
+        format!("`{}` is of the law \"{owner}\", but the law is {}", constant.path, law.as_written());
+    let help = format!("leave it out, or write `law = \"{owner}\"`");
+    Err(constant.error(SceneErrorKind::Inconsistent { message, help }))
 }

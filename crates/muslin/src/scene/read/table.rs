@@ -24,6 +24,7 @@ pub(super) struct Table<'t> {
 }
 
 /// What a table has under a key: a value or nothing.
+#[derive(Clone)]
 pub(super) struct Entry<'t> {
     text: &'t str,
     path: String,
