@@ -73,9 +73,11 @@ fn schema_and_parser_require_the_same_keys() {
             let missing = Scene::parse(&text).err().is_some_and(|error| {
                 matches!(error.kind(), SceneErrorKind::Missing { key: missing, .. } if *missing == format!("{path}{key}"))
             });
-            // Required because the grid has more than one column and row, the wind noise, the law a stiffness, and because
-            // the limit is a cut-off.
-            let conditional = ["width", "height", "noise_time", "stiffness", "strain"].contains(&key);
+            // Required because the grid has more than one column and row, the wind noise, the law a stiffness; because the
+            // limit is a cut-off and the motion a sine.
+            let conditional =
+                ["width", "height", "noise_time", "stiffness", "strain", "axis", "amplitude", "frequency"];
+            let conditional = conditional.contains(&key);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");
         }
     }

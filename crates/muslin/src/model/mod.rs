@@ -12,7 +12,7 @@ use std::ops::Range;
 
 pub use grid::Grid;
 pub use particles::Particles;
-pub use pin_motion::{MovingPins, PinMotion, SinePath};
+pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
 use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};

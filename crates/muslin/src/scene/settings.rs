@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::read::joined;
-use super::{DataFile, TensionCurve};
+use super::{DataFile, Keyframes, TensionCurve};
 
 /// A checked scene: what a run needs to know, in SI units.
 ///
@@ -345,6 +345,8 @@ pub enum PinMotionSettings {
         /// Phase φ [rad].
         phase: f64,
     },
+    /// `kind = "keyframes"`: through given displacements at given times.
+    Keyframes(Keyframes),
 }
 
 /// One line of `[expect]`: a quantity of the finished run and the range it must lie in.

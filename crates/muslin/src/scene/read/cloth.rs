@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::pins;
 use super::table::{Entry, Table};
 use super::value::{NumberRule, Value, rounded};
+use crate::scene::data::DataFiles;
 use crate::scene::error::{SceneErrorKind, quoted};
 use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, Placement, SceneError};
 
@@ -14,6 +15,7 @@ const PERPENDICULAR_TOLERANCE: f64 = 1e-9;
 pub(super) fn read(
     entry: Entry,
     fabrics: &BTreeMap<String, Fabric>,
+    files: &mut DataFiles,
 ) -> Result<Vec<ClothSettings>, SceneError> {
     const HELP: &str = "add a table `[[cloth]]` with name, fabric, grid and place";
     let value = entry.required("", HELP)?;
@@ -31,7 +33,7 @@ pub(super) fn read(
     for table in tables {
         let path = table.path().to_owned();
         let name = table.peek("name");
-        let cloth = read_cloth(table, fabrics, &mut free_particles)?;
+        let cloth = read_cloth(table, fabrics, files, &mut free_particles)?;
         if let Some(other) = paths_by_name.insert(cloth.name.clone(), path) {
             let name = name.required("", "")?;
             let (key, value) = (name.path.clone(), quoted(&cloth.name));
@@ -45,6 +47,7 @@ pub(super) fn read(
 fn read_cloth(
     mut table: Table,
     fabrics: &BTreeMap<String, Fabric>,
+    files: &mut DataFiles,
     free_particles: &mut u64,
 ) -> Result<ClothSettings, SceneError> {
     let name = table.take("name");
@@ -68,7 +71,7 @@ fn read_cloth(
         name: name.string()?.to_owned(),
         fabric: fabric.string()?.to_owned(),
         place: read_place(place, grid)?,
-        pins: pins::read(pins, grid)?,
+        pins: pins::read(pins, grid, files)?,
         grid,
     })
 }

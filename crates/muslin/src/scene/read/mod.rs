@@ -2,6 +2,7 @@
 
 mod cloth;
 mod curve;
+mod data_file;
 mod environment;
 mod expect;
 mod fabric;
@@ -99,7 +100,7 @@ impl Scene {
         let run = run::read(run)?;
         let environment = environment::read(environment, run.duration)?;
         let fabrics = fabric::read(fabrics, &mut files)?;
-        let cloths = cloth::read(cloths, &fabrics)?;
+        let cloths = cloth::read(cloths, &fabrics, &mut files)?;
         let has_structural_springs = cloths.iter().any(|cloth| {
             let Fabric::Springs(fabric) = &fabrics[&cloth.fabric];
             fabric.structural.has_springs() && 1 < cloth.grid.columns.max(cloth.grid.rows)

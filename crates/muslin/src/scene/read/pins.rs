@@ -3,23 +3,39 @@
 use std::collections::HashMap;
 
 use super::cloth::coarse_positions;
+use super::data_file;
 use super::table::{Entry, Table};
 use super::value::{NumberRule, Value, rounded};
+use crate::scene::data::{self, CellError, Column, DataFile, DataFiles, DataTable};
 use crate::scene::error::SceneErrorKind;
-use crate::scene::{GridSettings, PinMotionSettings, PinPlace, PinSettings, SceneError};
+use crate::scene::{GridSettings, Keyframes, PinMotionSettings, PinPlace, PinSettings, SceneError};
 
-pub(super) fn read(entry: Entry, grid: GridSettings) -> Result<Vec<PinSettings>, SceneError> {
+const COLUMNS: [Column; 4] = [
+    Column { name: "time", units: &[("s", 1.0)], hint: "times are in seconds from the start of the run" },
+    Column { name: "x", units: &[("m", 1.0)], hint: METRES },
+    Column { name: "y", units: &[("m", 1.0)], hint: METRES },
+    Column { name: "z", units: &[("m", 1.0)], hint: METRES },
+];
+
+const METRES: &str = "displacements are in metres";
+
+pub(super) fn read(
+    entry: Entry,
+    grid: GridSettings,
+    files: &mut DataFiles,
+) -> Result<Vec<PinSettings>, SceneError> {
     const HELP: &str = "write `pins = [{ column = 0, row = 0 }, { row = -1 }]`";
     let Some(value) = entry.optional() else {
         return Ok(Vec::new());
     };
-    let pins = value.clone().tables(HELP)?.into_iter().map(|pin| read_pin(pin, grid));
+    let mut motions = Motions { grid, files, keyframes: HashMap::new() };
+    let pins = value.clone().tables(HELP)?.into_iter().map(|pin| read_pin(pin, grid, &mut motions));
     let pins = pins.collect::<Result<Vec<_>, _>>()?;
     check_motions(&value, &pins)?;
     Ok(pins)
 }
 
-fn read_pin(mut table: Table, grid: GridSettings) -> Result<PinSettings, SceneError> {
+fn read_pin(mut table: Table, grid: GridSettings, motions: &mut Motions) -> Result<PinSettings, SceneError> {
     let column = table.take("column");
     let row = table.take("row");
     let motion = table.take("motion");
@@ -38,50 +54,93 @@ fn read_pin(mut table: Table, grid: GridSettings) -> Result<PinSettings, SceneEr
             }));
         }
     };
-    Ok(PinSettings { place, motion: motion.optional().map(|motion| read_motion(motion, grid)).transpose()? })
+    Ok(PinSettings { place, motion: motion.optional().map(|motion| motions.read(motion)).transpose()? })
 }
 
-fn read_motion(value: Value, grid: GridSettings) -> Result<PinMotionSettings, SceneError> {
-    const HELP: &str =
-        "write `motion = { kind = \"sine\", axis = [0, 0, 1], amplitude = 0.1, frequency = 3.0 }`";
-    let mut table = value.table(HELP)?;
-    let kind = table.take("kind");
-    if let Some(kind) = table.peek("kind").optional() {
-        kind.reject_later(&[("keyframes", "a pin that follows keyframes")], "use `kind = \"sine\"`")?;
-        kind.choice("is not a kind of motion", &[("sine", ())])?;
-    }
-    let axis = table.take("axis");
-    let amplitude = table.take("amplitude");
-    let frequency = table.take("frequency");
-    let phase = table.take("phase");
-    table.finish()?;
+/// Reads the motions of a cloth's pins, the keys of each file once.
+struct Motions<'m, 'l> {
+    grid: GridSettings,
+    files: &'m mut DataFiles<'l>,
+    keyframes: HashMap<String, Keyframes>,
+}
 
-    kind.required("", HELP)?;
-    let amplitude = amplitude.required("m", "write `amplitude = ...`")?;
-    let axis = axis.direction()?;
-    Ok(PinMotionSettings::Sine {
-        axis,
-        amplitude: read_amplitude(&amplitude, grid)?,
-        frequency: frequency.number("1/s", NumberRule::NotNegative)?,
-        phase: phase.optional().map_or(Ok(0.0), |phase| phase.number("rad", NumberRule::Finite))?,
+impl Motions<'_, '_> {
+    fn read(&mut self, value: Value) -> Result<PinMotionSettings, SceneError> {
+        const HELP: &str =
+            "write `motion = { kind = \"sine\", axis = [0, 0, 1], amplitude = 0.1, frequency = 3.0 }`";
+        let mut table = value.table(HELP)?;
+        let kind = table.take("kind");
+        let axis = table.take("axis");
+        let amplitude = table.take("amplitude");
+        let frequency = table.take("frequency");
+        let phase = table.take("phase");
+        let file = table.take("file");
+        table.finish()?;
+
+        let kind = kind.required("", HELP)?;
+        if kind.choice("is not a kind of motion", &[("sine", false), ("keyframes", true)])? {
+            for constant in [axis, amplitude, frequency, phase] {
+                reject_constant(constant, &kind, "sine")?;
+            }
+            let file = file.required("", "write `file = \"FILE.csv\"`")?;
+            return self.read_keyframes(&file).map(PinMotionSettings::Keyframes);
+        }
+        reject_constant(file, &kind, "keyframes")?;
+        let axis = axis.direction()?;
+        let amplitude = amplitude.required("m", "write `amplitude = ...`")?;
+        let largest = amplitude.number("m", NumberRule::NotNegative)?;
+        self.check_reach(&amplitude, &format!("{} m", amplitude.as_written()), largest)?;
+        Ok(PinMotionSettings::Sine {
+            axis,
+            amplitude: largest,
+            frequency: frequency.number("1/s", NumberRule::NotNegative)?,
+            phase: phase.optional().map_or(Ok(0.0), |phase| phase.number("rad", NumberRule::Finite))?,
+        })
+    }
+
+    fn read_keyframes(&mut self, file: &Value) -> Result<Keyframes, SceneError> {
+        let name = file.string()?;
+        if let Some(known) = self.keyframes.get(name) {
+            return Ok(known.clone());
+        }
+        let keyframes = data_file::read(file, self.files, parse_keyframes)?;
+        let displacements = keyframes.keys().iter().map(|key| key.displacement.abs().max_element());
+        let largest = displacements.fold(0.0, f64::max);
+        self.check_reach(file, &format!("{}, which goes {largest:?} m far", file.as_written()), largest)?;
+        self.keyframes.insert(name.to_owned(), keyframes.clone());
+        Ok(keyframes)
+    }
+
+    /// Checks that displacements up to `largest` [m] do not carry a pin to where positions are too coarse for its springs.
+    fn check_reach(&self, value: &Value, found: &str, largest: f64) -> Result<(), SceneError> {
+        let Some((rounding, smallest)) = coarse_positions(largest, self.grid) else { return Ok(()) };
+        Err(value.error(SceneErrorKind::Inconsistent {
+            message: format!(
+                "`{}` is {found}, where positions are known to {rounding:.0e} m only, but particles are {} m apart",
+                value.path,
+                rounded(smallest)
+            ),
+            help: "let the pin stay nearer to its place".to_owned(),
+        }))
+    }
+}
+
+fn parse_keyframes(file: &DataFile) -> Result<Keyframes, CellError> {
+    let text = data::text(file.bytes())?;
+    let table = DataTable::read(text, COLUMNS)?;
+    Keyframes::new(table.rows()).map_err(|error| {
+        let span = table.span(error.row, error.column);
+        CellError::at(text, span, error.to_string(), error.help.to_owned())
     })
 }
 
-/// An amplitude [m] that does not carry a pin to where positions are too coarse for its springs.
-fn read_amplitude(value: &Value, grid: GridSettings) -> Result<f64, SceneError> {
-    let amplitude = value.number("m", NumberRule::NotNegative)?;
-    match coarse_positions(amplitude, grid) {
-        None => Ok(amplitude),
-        Some((rounding, smallest)) => Err(value.error(SceneErrorKind::Inconsistent {
-            message: format!(
-                "`{}` is {} m, where positions are known to {rounding:.0e} m only, but particles are {} m apart",
-                value.path,
-                value.as_written(),
-                rounded(smallest)
-            ),
-            help: "write a smaller amplitude".to_owned(),
-        })),
-    }
+/// Rejects a constant of the motion `owner` in one of another `kind`.
+fn reject_constant(constant: Entry, kind: &Value, owner: &str) -> Result<(), SceneError> {
+    let Some(constant) = constant.optional() else { return Ok(()) };
+    let message =
+        format!("`{}` is of the motion \"{owner}\", but the kind is {}", constant.path, kind.as_written());
+    let help = format!("leave it out, or write `kind = \"{owner}\"`");
+    Err(constant.error(SceneErrorKind::Inconsistent { message, help }))
 }
 
 /// Checks that no particle has two different motions.
