@@ -48,12 +48,18 @@ impl Integrator for TimedIntegrator {
         self.timed(|inner| inner.eval_forces_and_stable_step(model, state))
     }
 
-    fn move_by(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
-        self.timed(|inner| inner.move_by(model, state, step))
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.timed(|inner| inner.move_by(model, state, step, time))
     }
 
-    fn move_and_measure(&mut self, model: &Model, state: &mut State, step: f64) -> Result<Motion, StepError> {
-        self.timed(|inner| inner.move_and_measure(model, state, step))
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError> {
+        self.timed(|inner| inner.move_and_measure(model, state, step, time))
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {

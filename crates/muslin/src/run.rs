@@ -206,10 +206,9 @@ impl Simulation {
             Steps::Constant { step, per_frame } => {
                 let (step, per_frame) = (*step, *per_frame);
                 for count in 1..=per_frame {
-                    let result = self.integrator.move_by(&self.model, &mut self.state, step);
                     let passed = self.frame_index as f64 + count as f64 / per_frame as f64;
-                    self.state.time = passed / self.settings.frame_rate;
-                    result?;
+                    let time = passed / self.settings.frame_rate;
+                    self.integrator.move_by(&self.model, &mut self.state, step, time)?;
                     self.integrator.eval_forces(&self.model, &self.state);
                     show_step(observers, &self.model, &self.state);
                 }
@@ -242,9 +241,8 @@ impl Simulation {
             if !(rule.shortest <= step && (is_last || start < start + step)) {
                 return Err(StepError::TooShort { time: start, shortest: rule.shortest });
             }
-            let moved = integrator.move_and_measure(model, state, step);
-            state.time = if is_last { end } else { start + step };
-            let motion = match moved {
+            let time = if is_last { end } else { start + step };
+            let motion = match integrator.move_and_measure(model, state, step, time) {
                 Ok(motion) => Some(motion),
                 Err(_) if may_be_refused => None,
                 Err(error) => return Err(error),

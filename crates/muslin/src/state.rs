@@ -16,6 +16,17 @@ pub struct State {
     pub last_step: f64,
     /// What the rule for an adaptive step remembers; unused where the step is constant.
     pub step_memory: StepMemory,
+    /// What [limits](crate::limit) did in that step.
+    pub limit_work: LimitWork,
+}
+
+/// Work [J] of limits on the particles in one step; zero where there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LimitWork {
+    /// On free particles.
+    pub on_free: f64,
+    /// On pins that move.
+    pub on_pins: f64,
 }
 
 impl State {
@@ -23,7 +34,14 @@ impl State {
     #[must_use]
     pub fn at_rest(positions: Points) -> Self {
         let velocities = Points::zeros(positions.len());
-        Self { time: 0.0, positions, velocities, last_step: 0.0, step_memory: StepMemory::default() }
+        Self {
+            time: 0.0,
+            positions,
+            velocities,
+            last_step: 0.0,
+            step_memory: StepMemory::default(),
+            limit_work: LimitWork::default(),
+        }
     }
 
     /// Overwrites it with `other`, without new memory if both have as many particles.
@@ -33,5 +51,6 @@ impl State {
         self.time = other.time;
         self.last_step = other.last_step;
         self.step_memory = other.step_memory;
+        self.limit_work = other.limit_work;
     }
 }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::limits::Limiter;
+use super::pins::place_pins;
 use super::stability::{larger, largest_frequency_squared, stable_step};
 use super::{Integrator, Motion, StepError, Workers};
 use crate::force::Configuration;
@@ -38,13 +40,20 @@ pub struct CentralDifference {
     /// Of the evaluation before, once errors are asked for.
     earlier_forces: Option<Points>,
     stiffness_bounds: Vec<f64>,
+    limiter: Limiter,
 }
 
 impl CentralDifference {
     /// The method for any model, on `workers`.
     #[must_use]
     pub fn new(workers: Workers) -> Self {
-        Self { workers, forces: Points::default(), earlier_forces: None, stiffness_bounds: Vec::new() }
+        Self {
+            workers,
+            forces: Points::default(),
+            earlier_forces: None,
+            stiffness_bounds: Vec::new(),
+            limiter: Limiter::default(),
+        }
     }
 
     /// Prepares a `state` at its initial time, positions and velocities for a first step of `step` [s].
@@ -69,10 +78,11 @@ impl CentralDifference {
     }
 
     fn move_all(
-        &self,
+        &mut self,
         model: &Model,
         state: &mut State,
         step: f64,
+        time: f64,
         is_measured: bool,
     ) -> Result<Motion, StepError> {
         let steps = Steps { last: state.last_step, next: step };
@@ -82,8 +92,10 @@ impl CentralDifference {
         };
         let arrays = (state.positions.as_mut(), state.velocities.as_mut());
         let moved = self.workers.for_blocks(model.blocks(), arrays, &move_block, &Moved::add);
-        state.time += step;
+        state.time = time;
         state.last_step = step;
+        place_pins(model, time, step, state);
+        self.limiter.apply(model, &self.forces, step, state);
         match moved {
             Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
             moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
@@ -237,12 +249,18 @@ impl Integrator for CentralDifference {
         stable_step(largest.unwrap_or(0.0))
     }
 
-    fn move_by(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
-        self.move_all(model, state, step, false).map(|_| ())
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.move_all(model, state, step, time, false).map(|_| ())
     }
 
-    fn move_and_measure(&mut self, model: &Model, state: &mut State, step: f64) -> Result<Motion, StepError> {
-        self.move_all(model, state, step, true)
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError> {
+        self.move_all(model, state, step, time, true)
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {
@@ -283,6 +301,7 @@ impl Integrator for CentralDifference {
             }
         };
         self.workers.for_blocks(model.blocks(), velocities.as_mut(), &half_step_block, &|(), ()| ());
+        model.moving_pins().eval_velocities(state.time, velocities);
     }
 
     fn workers(&self) -> &Workers {

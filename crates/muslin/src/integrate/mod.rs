@@ -2,6 +2,8 @@
 
 mod adaptive_step;
 mod central_difference;
+mod limits;
+mod pins;
 mod stability;
 mod workers;
 
@@ -27,17 +29,24 @@ pub trait Integrator: Send {
     /// [`eval_forces`](Self::eval_forces), and the [`guaranteed_stable_step`] [s] at `state`, with the same bits.
     fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64;
 
-    /// Moves `state` under the forces by `step` [s], which must be positive.
+    /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
+    /// but for rounding.
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is no longer a finite number; `state` then holds it.
-    fn move_by(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError>;
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError>;
 
     /// [`move_by`](Self::move_by), with the same bits, and the energies of the motion.
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).
-    fn move_and_measure(&mut self, model: &Model, state: &mut State, step: f64) -> Result<Motion, StepError>;
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError>;
 
     /// Estimates the error [m] that the step from `before` to `after` added to any position, from forces that are evaluated
     /// at both; those at `after` are left behind.
@@ -57,7 +66,7 @@ pub trait Integrator: Send {
     /// As [`move_by`](Self::move_by).
     fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
         self.eval_forces(model, state);
-        self.move_by(model, state, step)
+        self.move_by(model, state, step, state.time + step)
     }
 
     /// [`velocities`](Self::velocities) after evaluating the forces.

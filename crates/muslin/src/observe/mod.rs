@@ -5,6 +5,7 @@
 mod energy;
 mod expect;
 mod hash;
+mod pin_work;
 mod record;
 mod strain;
 

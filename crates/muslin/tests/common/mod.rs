@@ -60,6 +60,8 @@ pub(crate) struct ClothNumbers {
     pub(crate) height_axis: [f64; 3],
     /// Column and row of every pin.
     pub(crate) pins: Vec<(usize, usize)>,
+    /// How all of them move, if they do.
+    pub(crate) motion: Option<SineNumbers>,
     pub(crate) mass: f64,
     pub(crate) drag: f64,
     pub(crate) rest_length_direction: bool,
@@ -67,6 +69,32 @@ pub(crate) struct ClothNumbers {
     pub(crate) stiffnesses: [f64; 3],
     /// Their laws, as in a scene file.
     pub(crate) laws: [&'static str; 3],
+    /// The limit, as in a scene file, if there is one.
+    pub(crate) limit: Option<&'static str>,
+}
+
+/// A displacement A sin(2π f t + φ) along an axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SineNumbers {
+    pub(crate) axis: [f64; 3],
+    pub(crate) amplitude: f64,
+    pub(crate) frequency: f64,
+    pub(crate) phase: f64,
+}
+
+impl SineNumbers {
+    /// The displacement [m] along the axis at `time` [s].
+    pub(crate) fn displacement(&self, time: f64) -> f64 {
+        self.amplitude * (std::f64::consts::TAU * self.frequency * time + self.phase).sin()
+    }
+
+    fn text(&self) -> String {
+        let Self { axis, amplitude, frequency, phase } = self;
+        format!(
+            ", motion = {{ kind = \"sine\", axis = {axis:?}, amplitude = {amplitude:?}, \
+             frequency = {frequency:?}, phase = {phase:?} }}"
+        )
+    }
 }
 
 impl Default for SceneNumbers {
@@ -97,11 +125,13 @@ impl Default for ClothNumbers {
             width_axis: [1.0, 0.0, 0.0],
             height_axis: [0.0, 0.0, 1.0],
             pins: vec![(0, 0), (9, 0)],
+            motion: None,
             mass: 0.002,
             drag: 0.002,
             rest_length_direction: false,
             stiffnesses: [60.0, 20.0, 2.0],
             laws: [LINEAR; 3],
+            limit: None,
         }
     }
 }
@@ -179,13 +209,16 @@ impl ClothNumbers {
             (stiffness, CURVE) => format!("{} = {{ stiffness = {stiffness:?}, {LINEAR} }}", FAMILIES[family]),
             (stiffness, law) => format!("{} = {{ stiffness = {stiffness:?}, {law} }}", FAMILIES[family]),
         });
-        let pins: Vec<String> =
-            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row} }}")).collect();
+        let limit = self.limit.map(|limit| format!("limit = {limit}\n")).unwrap_or_default();
+        let motion = self.motion.as_ref().map(SineNumbers::text).unwrap_or_default();
+        let pins =
+            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row}{motion} }}"));
+        let pins: Vec<String> = pins.collect();
         let _ = write!(
             text,
             "[fabric.fabric{index}]\nkind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
              force_direction = \"{direction}\"\n\
-             {}\n\
+             {}\n{limit}\
              [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
              grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
              place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\

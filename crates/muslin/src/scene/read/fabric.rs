@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::curve;
-use super::table::{Entry, Table};
+use super::table::Entry;
 use super::value::{NumberRule, Value};
+use super::{curve, limit};
 use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
 use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
@@ -23,16 +23,17 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
         kind.reject_later(&[("measured", "a measured fabric")], "use `kind = \"springs\"`")?;
         kind.choice("is not a kind of fabric", &[("springs", ())])?;
     }
-    reject_limit(&table)?;
     let particle_mass = table.take("particle_mass");
     let drag = table.take("drag");
     let force_direction = table.take("force_direction");
     let structural = table.take("structural");
     let shear = table.take("shear");
     let bend = table.take("bend");
+    let limit = table.take("limit");
     table.finish()?;
 
     kind.required("", "write `kind = \"springs\"`")?;
+    let (structural, shear) = (read_springs(structural, files)?, read_springs(shear, files)?);
     Ok(Fabric::Springs(SpringsFabric {
         particle_mass: particle_mass.number("kg", NumberRule::Positive)?,
         drag: drag.number("kg/s", NumberRule::NotNegative)?,
@@ -46,9 +47,10 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
                 ],
             )?,
         },
-        structural: read_springs(structural, files)?,
-        shear: read_springs(shear, files)?,
         bend: read_springs(bend, files)?,
+        limit: limit.optional().map(|limit| limit::read(limit, &structural, &shear)).transpose()?,
+        structural,
+        shear,
     }))
 }
 
@@ -65,7 +67,6 @@ fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, S
     const HELP: &str = "write `{ stiffness = k, law = \"linear\" }` with k in N/m; k = 0 for no springs";
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let law = table.take("law");
-    reject_limit(&table)?;
     let stiffness = table.take("stiffness");
     let strain_scale = table.take("strain_scale");
     let curve = table.take("curve");
@@ -118,11 +119,4 @@ fn reject_constant(constant: Entry, law: &Value, owner: &str) -> Result<(), Scen
         format!("`{}` is of the law \"{owner}\", but the law is {}", constant.path, law.as_written());
     let help = format!("leave it out, or write `law = \"{owner}\"`");
     Err(constant.error(SceneErrorKind::Inconsistent { message, help }))
-}
-
-fn reject_limit(table: &Table) -> Result<(), SceneError> {
-    match table.peek("limit").optional() {
-        None => Ok(()),
-        Some(limit) => Err(limit.not_available("a strain limit", "leave it out")),
-    }
 }

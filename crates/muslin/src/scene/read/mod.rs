@@ -2,9 +2,12 @@
 
 mod cloth;
 mod curve;
+mod data_file;
 mod environment;
 mod expect;
 mod fabric;
+mod limit;
+mod pins;
 mod run;
 mod table;
 mod value;
@@ -12,6 +15,7 @@ mod value;
 use toml::de::DeTable;
 
 use self::table::Table;
+pub(super) use self::table::joined;
 use super::Fabric;
 use super::data::DataFiles;
 use super::error::{SceneError, SceneErrorKind};
@@ -96,7 +100,7 @@ impl Scene {
         let run = run::read(run)?;
         let environment = environment::read(environment, run.duration)?;
         let fabrics = fabric::read(fabrics, &mut files)?;
-        let cloths = cloth::read(cloths, &fabrics)?;
+        let cloths = cloth::read(cloths, &fabrics, &mut files)?;
         let has_structural_springs = cloths.iter().any(|cloth| {
             let Fabric::Springs(fabric) = &fabrics[&cloth.fabric];
             fabric.structural.has_springs() && 1 < cloth.grid.columns.max(cloth.grid.rows)

@@ -150,7 +150,7 @@ impl<'t> Entry<'t> {
 }
 
 /// The path of `key` in the table at `path`.
-pub(super) fn joined(path: &str, key: &str) -> String {
+pub(in crate::scene) fn joined(path: &str, key: &str) -> String {
     let key = shortened(&key_as_written(key));
     if path.is_empty() { key } else { format!("{path}.{key}") }
 }
