@@ -7,7 +7,7 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{ClothNumbers, SceneNumbers, WindNumbers, simulation, workers};
+use common::{ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, simulation, workers};
 use muslin::observe::{Frame, Observer, Recorder};
 use muslin::{Model, State};
 
@@ -85,6 +85,11 @@ impl Observer for StepRequests {
     }
 }
 
+const MOTION: SineNumbers =
+    SineNumbers { axis: [1.0, 0.0, 0.0], amplitude: 0.01, frequency: 3.0, phase: 0.0 };
+
+const LIMIT: &str = "{ kind = \"cut-off\", strain = 1e-4 }";
+
 fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32) -> SceneNumbers {
     SceneNumbers {
         frame_intervals,
@@ -97,7 +102,14 @@ fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32
             direction: [0.0, 0.0, 1.0],
             noise: [0.0; 2],
         }],
-        cloths: vec![ClothNumbers { columns, rows, pins: vec![(0, 0)], ..ClothNumbers::default() }],
+        cloths: vec![ClothNumbers {
+            columns,
+            rows,
+            pins: vec![(0, 0)],
+            motion: Some(MOTION),
+            limit: Some(LIMIT),
+            ..ClothNumbers::default()
+        }],
         ..SceneNumbers::default()
     }
 }

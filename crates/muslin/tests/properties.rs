@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::random_scene::random_law_scene;
-use common::{Random, SceneNumbers, finish, max_distance, model_and_state};
+use common::random_scene::{random_law_scene, random_limit_scene};
+use common::{CURVE, Random, SceneNumbers, finish, max_distance, model_and_state};
 use glam::{DQuat, DVec3};
 use muslin::force::{Configuration, PotentialEnergies};
 use muslin::integrate::{
@@ -28,7 +28,7 @@ fn last_positions(numbers: &SceneNumbers) -> Points {
 
 /// A tenth of a second of any scene.
 fn short_scene() -> impl Strategy<Value = SceneNumbers> {
-    random_law_scene().prop_map(|numbers| SceneNumbers { frame_intervals: 2, ..numbers })
+    random_limit_scene().prop_map(|numbers| SceneNumbers { frame_intervals: 2, ..numbers })
 }
 
 fn mapped(points: &Points, map: impl Fn(DVec3) -> DVec3) -> Points {
@@ -51,6 +51,9 @@ fn with_vectors(
         apply(&mut cloth.width_axis, &vector);
         apply(&mut cloth.height_axis, &vector);
         apply(&mut cloth.origin, &place);
+        if let Some(motion) = &mut cloth.motion {
+            apply(&mut motion.axis, &vector);
+        }
     }
     changed
 }
@@ -93,8 +96,11 @@ proptest! {
         prop_assert_eq!(mirrored, mapped(&last_positions(&numbers), mirror));
     }
 
+    /// Not with a limit, which corrects along columns first and from there along rows.
     #[test]
     fn columns_and_rows_can_be_swapped(numbers in short_scene()) {
+        let mut numbers = numbers;
+        numbers.cloths[0].limit = None;
         let mut swapped = numbers.clone();
         let cloth = &mut swapped.cloths[0];
         std::mem::swap(&mut cloth.columns, &mut cloth.rows);
@@ -140,6 +146,10 @@ proptest! {
         for cloth in &mut other.cloths {
             cloth.width *= length;
             cloth.height *= length;
+            if let Some(motion) = &mut cloth.motion {
+                motion.amplitude *= length;
+                motion.frequency /= time;
+            }
             cloth.mass *= mass;
             cloth.drag *= mass / time;
             cloth.stiffnesses = cloth.stiffnesses.map(|stiffness| stiffness * mass / (time * time));
@@ -235,7 +245,9 @@ proptest! {
         }
     }
 
-    /// K u = −dF(x + s u)/ds, by central differences with the errors above.
+    /// K u = −dF(x + s u)/ds, by central differences with the errors above. A tabulated law bends at its points: its
+    /// second derivative jumps there by up to 20 k, and a difference across is wrong by a quarter of that times the change of
+    /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
         let (model, state, size) = crumpled(&numbers);
@@ -248,7 +260,8 @@ proptest! {
         let (behind, ahead) = (forces(&model, &moved(-delta)), forces(&model, &moved(delta)));
         let differences = behind.iter().zip(ahead.iter()).map(|(b, a)| (b - a) / (2.0 * delta)).collect();
         let error = max_distance(&products, &differences) / stiffness(&numbers);
-        prop_assert!(error < 1e-8, "{error:e} of the stiffness");
+        let tolerance = if numbers.cloths[0].laws.contains(&CURVE) { 5e-5 } else { 1e-8 };
+        prop_assert!(error < tolerance, "{error:e} of the stiffness");
     }
 
     /// u · K v = v · K u to the rounding of sums of 64 particles.

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method,
-    NoiseSettings, PinSettings, Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, LimitSettings,
+    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
+    SpringSettings, Start, StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -46,12 +47,16 @@ fn every_value_of_a_complete_scene_is_read() {
     let Fabric::Springs(paper) = &scene.fabrics()["paper"];
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
-    assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
+    let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
+    assert_eq!(paper.limit, Some(cut_off));
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
-    assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
+    assert_eq!(stiff.limit, Some(LimitSettings::ArctangentProjection));
+    assert_eq!([&stiff.structural, &stiff.shear, &stiff.bend], [600.0, 200.0, 20.0].map(springs).each_ref());
 
+    let held = |place| PinSettings { place, motion: None };
     let [sheet, thread] = scene.cloths() else { panic!("two cloths") };
     assert_eq!((sheet.name.as_str(), sheet.fabric.as_str()), ("sheet", "paper"));
     assert_eq!(sheet.grid, GridSettings { columns: 10, rows: 20, width: 1.0, height: 2.5 });
@@ -60,17 +65,19 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(
         sheet.pins,
         [
-            PinSettings::Particle { column: 0, row: 0 },
-            PinSettings::Particle { column: 9, row: 0 },
-            PinSettings::Row(19),
-            PinSettings::Column(0),
+            held(PinPlace::Particle { column: 0, row: 0 }),
+            held(PinPlace::Particle { column: 9, row: 0 }),
+            held(PinPlace::Row(19)),
+            held(PinPlace::Column(0)),
         ]
     );
     assert_eq!((thread.name.as_str(), thread.fabric.as_str()), ("糸", "stiff paper"));
     assert_eq!(thread.grid, GridSettings { columns: 1, rows: 5, width: 0.0, height: 0.4 });
     assert_eq!(thread.place.width_axis, DVec3::new(1.0, 1.0, 0.0) / 2.0_f64.sqrt());
     assert_eq!(thread.place.height_axis, DVec3::NEG_Z);
-    assert_eq!(thread.pins, [PinSettings::Row(0), PinSettings::Row(4)]);
+    let motion = PinMotionSettings::Sine { axis: DVec3::Z, amplitude: 0.1, frequency: 3.0, phase: 0.5 };
+    let moving = PinSettings { place: PinPlace::Row(4), motion: Some(motion) };
+    assert_eq!(thread.pins, [held(PinPlace::Row(0)), moving]);
 
     let expectation = |quantity, range| Expectation { quantity, range };
     assert_eq!(
@@ -79,6 +86,20 @@ fn every_value_of_a_complete_scene_is_read() {
             expectation(ExpectedQuantity::LowestPoint, ExpectedRange::Between(-0.02, 0.01)),
             expectation(ExpectedQuantity::MaxStrain, ExpectedRange::Below(0.0943)),
             expectation(ExpectedQuantity::EnergyResidual, ExpectedRange::Above(0.0)),
+        ]
+    );
+}
+
+#[test]
+fn a_scene_warns_of_its_limits() {
+    let scene = Scene::parse(COMPLETE).expect("a good scene");
+    assert_eq!(
+        scene.warnings(),
+        [
+            "`fabric.paper.limit` shortens springs that are too long after each step, so where it acts the motion \
+             depends on the step",
+            "`fabric.\"stiff paper\".limit` shortens every stretched spring after each step, so the motion depends \
+             strongly on the step: the smaller it is, the stiffer the cloth",
         ]
     );
 }
@@ -95,7 +116,7 @@ fn a_short_scene_has_the_stated_defaults() {
     assert_eq!((run.start, run.seed, run.allow_unstable), (Start::Consistent, 0, false));
     assert!(scene.environment().winds.is_empty() && scene.expectations().is_empty());
     let Fabric::Springs(fabric) = &scene.fabrics()["f"];
-    assert_eq!(fabric.force_direction, ForceDirection::CurrentLength);
+    assert_eq!((fabric.force_direction, fabric.limit), (ForceDirection::CurrentLength, None));
     assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
     assert!(scene.cloths()[0].pins.is_empty());
 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 pub use gravity::Gravity;
 pub use grid_springs::GridSprings;
-pub use law::{ArctangentLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
 pub use noise::{Noise, RandomStream};
 pub use spring::Spring;
 pub use wind::ParticleWind;
@@ -118,11 +118,42 @@ pub trait Force: fmt::Debug + Send + Sync {
         let _ = (at, displacements, block, products);
     }
 
-    /// Adds a bound [N/m] on the sum of the norms of each particle's row of the tangent `K`, pinned columns left out.
+    /// Adds a bound [N/m] on the stiffness that each particle feels, for the stability of the step.
     ///
-    /// By Gershgorin's theorem no mode is faster than the largest `√(bound / mass)`.
-    fn add_tangent_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+    /// With the tangent K = Σ_e K_e over elements e of two ends each, K_e⁺ its part without negative eigenvalues (which
+    /// make modes slower), and w = 2 if both ends are free, 1 if the other is pinned, no mode is faster than the largest
+    /// `√(bound / mass)` with
+    ///
+    /// ```text
+    /// bound_i = Σ_{e at i} w ‖K_e⁺‖
+    /// ```
+    ///
+    /// (Gershgorin's theorem on M⁻¹ K).
+    fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let _ = (at, block, bounds);
+    }
+
+    /// [`add_forces`](Self::add_forces) and [`add_stiffness_bounds`](Self::add_stiffness_bounds) in one pass, with the
+    /// same bits.
+    fn add_forces_and_bounds(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        bounds: &mut [f64],
+    ) {
+        self.add_forces(at, block, forces);
+        self.add_stiffness_bounds(at, block, bounds);
+    }
+
+    /// Whether the stiffness bounds are the same wherever the particles are and whatever the time is.
+    fn has_constant_bounds(&self) -> bool {
+        false
+    }
+
+    /// The longest step [s] that follows how the force changes in time by itself; +∞ if it does not.
+    fn longest_step(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Adds the potential energy [J] of all particles, if the force has one.

@@ -7,6 +7,9 @@ use glam::DVec3;
 use super::{Configuration, Force, Noise};
 use crate::PointsMut;
 
+/// Steps at least in one period of a gust: the error of its impulse is then below 1 %.
+const STEPS_PER_PERIOD: f64 = 20.0;
+
 /// The paper's wind: the same force on every particle, wherever it is and whatever way the cloth faces.
 ///
 /// ```text
@@ -49,5 +52,15 @@ impl Force for ParticleWind {
 
     fn is_external(&self) -> bool {
         true
+    }
+
+    fn has_constant_bounds(&self) -> bool {
+        true
+    }
+
+    fn longest_step(&self) -> f64 {
+        let period = std::f64::consts::TAU / self.angular_frequency;
+        let noise = self.noise.as_ref().map_or(f64::INFINITY, Noise::longest_step);
+        (period / STEPS_PER_PERIOD).min(noise)
     }
 }

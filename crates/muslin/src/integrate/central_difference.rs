@@ -2,9 +2,13 @@
 
 use std::ops::Range;
 
-use super::{Integrator, StepError, Workers};
+use super::limits::Limiter;
+use super::pins::place_pins;
+use super::stability::{larger, largest_frequency_squared, stable_step};
+use super::{Integrator, Motion, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
+use crate::points::sum_in_lanes;
 use crate::scene::Start;
 use crate::{Model, Points, PointsMut, State};
 
@@ -33,13 +37,23 @@ use crate::{Model, Points, PointsMut, State};
 pub struct CentralDifference {
     workers: Workers,
     forces: Points,
+    /// Of the evaluation before, once errors are asked for.
+    earlier_forces: Option<Points>,
+    stiffness_bounds: Vec<f64>,
+    limiter: Limiter,
 }
 
 impl CentralDifference {
     /// The method for any model, on `workers`.
     #[must_use]
     pub fn new(workers: Workers) -> Self {
-        Self { workers, forces: Points::default() }
+        Self {
+            workers,
+            forces: Points::default(),
+            earlier_forces: None,
+            stiffness_bounds: Vec::new(),
+            limiter: Limiter::default(),
+        }
     }
 
     /// Prepares a `state` at its initial time, positions and velocities for a first step of `step` [s].
@@ -53,22 +67,63 @@ impl CentralDifference {
         }
     }
 
-    /// Overwrites the forces [N] with those at the state's time and positions.
-    fn eval_forces(&mut self, model: &Model, state: &State) {
-        if self.forces.len() != state.positions.len() {
-            self.forces = Points::zeros(state.positions.len());
+    /// Makes room for the forces on `count` particles, and keeps those of the evaluation before if errors are asked for.
+    fn next_forces(&mut self, count: usize) {
+        if let Some(earlier) = &mut self.earlier_forces {
+            std::mem::swap(earlier, &mut self.forces);
         }
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
-        let add_block = |block: &Range<usize>, [mut forces]: [PointsMut<'_>; 1]| {
-            forces.fill(0.0);
-            for force in model.forces() {
-                force.add_forces(at, block, &mut forces);
-            }
-            true
-        };
-        self.workers.all_blocks(model.blocks(), [self.forces.as_mut()], &add_block);
+        if self.forces.len() != count {
+            self.forces = Points::zeros(count);
+        }
     }
+
+    fn move_all(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+        is_measured: bool,
+    ) -> Result<Motion, StepError> {
+        let steps = Steps { last: state.last_step, next: step };
+        let (particles, forces) = (model.particles(), &self.forces);
+        let move_block = |block: &Range<usize>, arrays: (PointsMut<'_>, PointsMut<'_>)| {
+            move_block(particles, steps, block, arrays, forces, is_measured)
+        };
+        let arrays = (state.positions.as_mut(), state.velocities.as_mut());
+        let moved = self.workers.for_blocks(model.blocks(), arrays, &move_block, &Moved::add);
+        state.time = time;
+        state.last_step = step;
+        place_pins(model, time, step, state);
+        self.limiter.apply(model, &self.forces, step, state);
+        match moved {
+            Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
+            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+        }
+    }
+}
+
+/// Overwrites `forces` [N] of a block.
+fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut forces: PointsMut<'_>) {
+    forces.fill(0.0);
+    for force in model.forces() {
+        force.add_forces(at, block, &mut forces);
+    }
+}
+
+/// Overwrites `forces` [N] and stiffness `bounds` [N/m] of a block; the largest of bound / mass [1/s²].
+fn eval_block_and_bounds(
+    model: &Model,
+    at: Configuration<'_>,
+    block: &Range<usize>,
+    (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
+) -> f64 {
+    forces.fill(0.0);
+    bounds.fill(0.0);
+    for force in model.forces() {
+        force.add_forces_and_bounds(at, block, &mut forces, bounds);
+    }
+    largest_frequency_squared(model.particles(), block, bounds)
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -109,53 +164,131 @@ impl Factors {
     }
 }
 
-/// Moves the particles of `block`, whose forces [N] are `forces` of all; whether all positions stay finite.
+/// What came of moving some particles.
+#[derive(Clone, Copy)]
+struct Moved {
+    /// Whether all positions stay finite.
+    is_finite: bool,
+    motion: Motion,
+}
+
+impl Moved {
+    fn add(self, other: Self) -> Self {
+        let (a, b) = (self.motion, other.motion);
+        let motion = Motion {
+            kinetic_energy: a.kinetic_energy + b.kinetic_energy,
+            power_before: a.power_before + b.power_before,
+            power_after: a.power_after + b.power_after,
+        };
+        Self { is_finite: self.is_finite && other.is_finite, motion }
+    }
+}
+
+/// Moves the particles of `block`, whose forces [N] are `forces` of all, and measures their motion if asked to.
 fn move_block(
     particles: &Particles,
     steps: Steps,
     block: &Range<usize>,
-    [positions, velocities]: [PointsMut<'_>; 2],
+    (positions, velocities): (PointsMut<'_>, PointsMut<'_>),
     forces: &Points,
-) -> bool {
+    is_measured: bool,
+) -> Moved {
     let mut factors = Factors::ZERO;
-    let mut finite = true;
+    let mut moved = Moved { is_finite: true, motion: Motion::default() };
     for first in (0..block.len()).step_by(CHUNK) {
         let own = first..block.len().min(first + CHUNK);
         let range = block.start + own.start..block.start + own.end;
         factors.eval(particles, range.clone(), steps);
+        let masses = &particles.masses()[range.clone()];
         for (positions, velocities, forces) in [
             (&mut *positions.x, &mut *velocities.x, &forces.x),
             (&mut *positions.y, &mut *velocities.y, &forces.y),
             (&mut *positions.z, &mut *velocities.z, &forces.z),
         ] {
             let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
-            finite &= move_axis(positions, velocities, &forces[range.clone()], &factors, steps.next);
+            let forces = &forces[range.clone()];
+            if is_measured {
+                moved.motion.power_before += power(forces, velocities, &factors);
+            }
+            moved.is_finite &= move_axis(positions, velocities, forces, &factors, steps.next);
+            if is_measured {
+                moved.motion.power_after += power(forces, velocities, &factors);
+                moved.motion.kinetic_energy +=
+                    sum_in_lanes(masses, |i, mass| 0.5 * mass * velocities[i] * velocities[i]);
+            }
         }
     }
-    finite
+    moved
+}
+
+/// Σ F v [W] of the free particles along one axis.
+fn power(forces: &[f64], velocities: &[f64], factors: &Factors) -> f64 {
+    // The force factor of a pin is zero, and that of any other particle positive.
+    sum_in_lanes(forces, |i, force| if factors.force[i] > 0.0 { force * velocities[i] } else { 0.0 })
 }
 
 impl Integrator for CentralDifference {
-    fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
-        self.eval_forces(model, state);
-        let steps = Steps { last: state.last_step, next: step };
-        let forces = &self.forces;
-        let move_block = |block: &Range<usize>, arrays: [PointsMut<'_>; 2]| {
-            move_block(model.particles(), steps, block, arrays, forces)
-        };
-        let arrays = [state.positions.as_mut(), state.velocities.as_mut()];
-        let finite = self.workers.all_blocks(model.blocks(), arrays, &move_block);
-        state.time += step;
-        state.last_step = step;
-        if finite { Ok(()) } else { Err(not_finite(model.particles(), state)) }
+    fn eval_forces(&mut self, model: &Model, state: &State) {
+        self.next_forces(state.positions.len());
+        let at =
+            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let eval_block = |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces);
+        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &eval_block, &|(), ()| ());
     }
 
-    fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
-        self.eval_forces(model, state);
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        self.next_forces(state.positions.len());
+        self.stiffness_bounds.resize(state.positions.len(), 0.0);
+        let at =
+            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let eval_block = |block: &Range<usize>, arrays: (PointsMut<'_>, &mut [f64])| {
+            eval_block_and_bounds(model, at, block, arrays)
+        };
+        let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
+        let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger);
+        stable_step(largest.unwrap_or(0.0))
+    }
+
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.move_all(model, state, step, time, false).map(|_| ())
+    }
+
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError> {
+        self.move_all(model, state, step, time, true)
+    }
+
+    fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {
+        if self.earlier_forces.as_ref().is_none_or(|forces| forces.len() != before.positions.len()) {
+            self.eval_forces(model, before);
+            self.earlier_forces = Some(Points::default());
+            self.eval_forces(model, after);
+        }
+        let Some(earlier) = &self.earlier_forces else { return 0.0 };
+        let (particles, step) = (model.particles(), after.last_step);
+        let mut largest = 0.0;
+        for particle in (0..particles.len()).filter(|&particle| !particles.pinned()[particle]) {
+            let force_change = self.forces.get(particle) - earlier.get(particle);
+            let velocity_change = after.velocities.get(particle) - before.velocities.get(particle);
+            let change = force_change - velocity_change * particles.drags()[particle];
+            largest = larger(
+                largest,
+                change.length_squared() / (particles.masses()[particle] * particles.masses()[particle]),
+            );
+        }
+        step * step / 6.0 * largest.sqrt()
+    }
+
+    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points) {
         velocities.clone_from(&state.velocities);
         let forces = &self.forces;
         let particles = model.particles();
-        let half_step_block = |block: &Range<usize>, [velocities]: [PointsMut<'_>; 1]| {
+        let half_step_block = |block: &Range<usize>, velocities: PointsMut<'_>| {
             let axes = [(velocities.x, &forces.x), (velocities.y, &forces.y), (velocities.z, &forces.z)];
             for (velocities, forces) in axes {
                 for (velocity, particle) in velocities.iter_mut().zip(block.clone()) {
@@ -166,9 +299,9 @@ impl Integrator for CentralDifference {
                     }
                 }
             }
-            true
         };
-        self.workers.all_blocks(model.blocks(), [velocities.as_mut()], &half_step_block);
+        self.workers.for_blocks(model.blocks(), velocities.as_mut(), &half_step_block, &|(), ()| ());
+        model.moving_pins().eval_velocities(state.time, velocities);
     }
 
     fn workers(&self) -> &Workers {

@@ -6,7 +6,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::{ClothNumbers, SceneNumbers, WindNumbers, assert_golden, finish, simulation, workers};
+use common::{
+    CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish, simulation, workers,
+};
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
 use muslin::{Scene, Simulation};
@@ -41,6 +43,29 @@ fn flag() -> SceneNumbers {
         ..SceneNumbers::default()
     }
 }
+
+/// Hung by two corners that move, in wind.
+fn shaken() -> SceneNumbers {
+    SceneNumbers {
+        winds: flag().winds,
+        cloths: vec![ClothNumbers {
+            height_axis: [0.0, -1.0, 0.0],
+            motion: Some(SineNumbers { axis: [0.0, 1.0, 3.0], amplitude: 0.1, frequency: 3.0, phase: 0.2 }),
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// Falling from the horizontal, its springs held by a limit.
+fn limited(limit: &'static str) -> SceneNumbers {
+    let mut numbers = hanging();
+    numbers.cloths[0].limit = Some(limit);
+    numbers
+}
+
+const CUT_OFF: &str = "{ kind = \"cut-off\", strain = 0.05, shear_strain = 0.2 }";
+const PROJECTION: &str = "{ kind = \"arctangent-projection\" }";
 
 /// Free, with drag, started as printed.
 fn free_fall() -> SceneNumbers {
@@ -110,6 +135,17 @@ fn flag_has_the_recorded_bits() {
 }
 
 #[test]
+fn shaken_has_the_recorded_bits() {
+    assert_golden("inline-shaken", hash(&shaken().scene(), Workers::single()));
+}
+
+#[test]
+fn limits_have_the_recorded_bits() {
+    assert_golden("inline-cut-off", hash(&limited(CUT_OFF).scene(), Workers::single()));
+    assert_golden("inline-projection", hash(&limited(PROJECTION).scene(), Workers::single()));
+}
+
+#[test]
 fn free_fall_has_the_recorded_bits() {
     assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
 }
@@ -117,6 +153,13 @@ fn free_fall_has_the_recorded_bits() {
 #[test]
 fn pendulum_has_the_recorded_bits() {
     assert_golden("inline-pendulum", hash(&pendulum().scene(), Workers::single()));
+}
+
+#[test]
+fn curve_has_the_recorded_bits() {
+    let mut numbers = hanging();
+    numbers.cloths[0].laws = [CURVE; 3];
+    assert_golden("inline-curve", hash(&numbers.scene(), Workers::single()));
 }
 
 #[test]
@@ -148,7 +191,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), free_fall()] {
+    for numbers in [flag(), free_fall(), shaken(), limited(CUT_OFF)] {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

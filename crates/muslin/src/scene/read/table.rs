@@ -24,6 +24,7 @@ pub(super) struct Table<'t> {
 }
 
 /// What a table has under a key: a value or nothing.
+#[derive(Clone)]
 pub(super) struct Entry<'t> {
     text: &'t str,
     path: String,
@@ -149,7 +150,7 @@ impl<'t> Entry<'t> {
 }
 
 /// The path of `key` in the table at `path`.
-pub(super) fn joined(path: &str, key: &str) -> String {
+pub(in crate::scene) fn joined(path: &str, key: &str) -> String {
     let key = shortened(&key_as_written(key));
     if path.is_empty() { key } else { format!("{path}.{key}") }
 }
