@@ -12,10 +12,10 @@ use crate::error::CliError;
 const HALVINGS: u32 = 5;
 
 /// Tolerances of the adaptive step [m].
-const TOLERANCES: [f64; 3] = [1e-3, 1e-4, 1e-5];
+const TOLERANCES: [f64; 3] = [1e-5, 1e-6, 1e-7];
 
 /// Share of the largest stable step on the way that a constant step may have.
-const SAFE_SHARE: f64 = 0.9;
+pub(crate) const SAFE_SHARE: f64 = 0.9;
 
 /// A run with its error.
 struct Accuracy {
@@ -93,7 +93,7 @@ impl Study {
                 Steps::PerFrame(count) => count as f64,
                 Steps::Adaptive | Steps::Tolerance(_) => first as f64,
             };
-            let trial = Trial::new(self.reading, extent.side, extent.duration, steps);
+            let trial = Trial::new(self.reading, extent.side, extent.long_duration, steps);
             Trial { work, ..trial }.keeping_positions().watching_stability()
         };
         let converged = run(&trial(Steps::PerFrame(first << (HALVINGS + 2))), progress)?;
@@ -116,12 +116,14 @@ impl Study {
         let (Some(safe), Some(adaptive)) = (find(Kind::LargestSafe), find(Kind::Adaptive)) else {
             return String::new();
         };
-        let count = |row: &Accuracy| row.outcome.steps.accepted as f64;
+        let count = |row: &Accuracy| row.outcome.steps.accepted;
         format!(
-            "Reading {}: the largest safe constant step takes {} times as many steps as the adaptive one, with {} of its error.",
+            "Reading {}: {} steps of the largest safe constant size, with an error of {} mm; {} adaptive ones, with {} mm.",
             self.reading.name,
-            rounded(count(safe) / count(adaptive), 2),
-            rounded(safe.error / adaptive.error, 2)
+            count(safe),
+            rounded(1e3 * safe.error, 2),
+            count(adaptive),
+            rounded(1e3 * adaptive.error, 2)
         )
     }
 

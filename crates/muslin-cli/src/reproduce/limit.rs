@@ -191,9 +191,7 @@ fn step_figure(all: &[Runs]) -> Figure {
 fn energy_figure(all: &[Runs]) -> Figure {
     let series = all.iter().map(|runs| {
         let outcome = &runs.outcomes[0];
-        let largest = outcome.energies().map(|(_, terms)| terms.residual.abs()).fold(0.0, f64::max);
-        // What the residual is relative to: the largest change of any term.
-        let scale = largest / outcome.residual();
+        let scale = outcome.largest_change();
         let mut so_far = 0.0_f64;
         let points = outcome.energies().map(|(time, terms)| {
             so_far = so_far.max(terms.residual.abs() / scale);
@@ -222,12 +220,16 @@ fn table(all: &[Runs]) -> Table {
         }));
         let ends = [runs.outcomes.first(), runs.outcomes.last()];
         row.extend(ends.into_iter().flatten().map(|outcome| Cell::rounded(outcome.residual())));
+        row.push(runs.outcomes.first().map_or(Cell::None, |outcome| {
+            let taken = outcome.frames.last().map_or(f64::NAN, |frame| frame.energies.limit_loss);
+            if taken == 0.0 { Cell::None } else { Cell::per_cent(taken / outcome.largest_change()) }
+        }));
         row
     });
     Table {
         name: "table-4-steps",
-        caption: "Largest strain of each reading with the step halved again and again, and the energy that the ledger lacks, relative \
-                  to the largest change of any of its terms."
+        caption: "Largest strain of each reading with the step halved again and again, and the energy that the ledger lacks, and \
+                  that a limit takes, relative to the largest change of any of the ledger's terms."
             .to_owned(),
         columns: [
             "reading",
@@ -239,6 +241,7 @@ fn table(all: &[Runs]) -> Table {
             "at h / 16",
             "missing energy [1] at h",
             "the same at h / 16",
+            "taken by the limit, at h",
         ]
         .map(Column::new)
         .to_vec(),

@@ -60,11 +60,11 @@ fn compute(extent: &Extent, progress: &Progress<'_>) -> Result<Report, CliError>
     let sections = vec![
         springs::section(),
         stretch::section(),
-        hanging::section(extent.is_quick, 0.03, progress)?,
-        limit::section(extent, 0.1, progress)?,
-        refinement::section(extent, 0.67, progress)?,
-        particles::section(extent, 0.1, progress)?,
-        accuracy::section(extent, 0.1, progress)?,
+        hanging::section(extent.is_quick, 0.02, progress)?,
+        limit::section(extent, 0.06, progress)?,
+        refinement::section(extent, 0.74, progress)?,
+        particles::section(extent, 0.12, progress)?,
+        accuracy::section(extent, 0.06, progress)?,
     ];
     Ok(Report { is_quick: extent.is_quick, sections })
 }

@@ -49,7 +49,7 @@ pub(crate) fn section() -> Section {
             Column::new("joins a particle to"),
             Column::new("springs"),
             Column::new("at an inner particle"),
-            Column::new("shortest rest length [m]"),
+            Column::new("shortest [m]"),
             Column::new("longest [m]"),
         ],
         rows: rows.collect(),
