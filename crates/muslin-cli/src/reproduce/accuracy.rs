@@ -8,9 +8,6 @@ use super::report::{Cell, Column, Content, Figure, Item, Section, Table, rounded
 use super::trial::{FRAME_RATE, Outcome, Reading, Steps, Trial, reading, run};
 use crate::error::CliError;
 
-/// How often the constant step is halved; the run that all are compared with has two halvings more.
-const HALVINGS: u32 = 5;
-
 /// Tolerances of the adaptive step [m].
 const TOLERANCES: [f64; 3] = [1e-5, 1e-6, 1e-7];
 
@@ -40,20 +37,52 @@ struct Study {
     reading: Reading,
     figure_name: &'static str,
     table_name: &'static str,
+    side: usize,
+    duration: f64,
     /// Steps per frame of the longest constant step.
     first: u64,
+    /// How often the constant step is halved; the run that all are compared with has two halvings more.
+    halvings: u32,
     rows: Vec<Accuracy>,
 }
 
 /// The section on step against error.
 pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> Result<Section, CliError> {
     let mut studies = [
-        Study::new("none", "figure-7-hooke", "table-7-hooke", 4),
-        Study::new("tangent", "figure-7-tangent", "table-7-tangent", 16),
+        Study {
+            reading: reading("none"),
+            figure_name: "figure-7-hooke",
+            table_name: "table-7-hooke",
+            side: extent.side,
+            duration: extent.long_duration,
+            first: 4,
+            halvings: 6,
+            rows: Vec::new(),
+        },
+        Study {
+            reading: reading("tangent"),
+            figure_name: "figure-7-tangent",
+            table_name: "table-7-tangent",
+            side: extent.side,
+            duration: extent.long_duration,
+            first: 16,
+            halvings: 5,
+            rows: Vec::new(),
+        },
+        Study {
+            reading: reading("tangent"),
+            figure_name: "figure-7-fine",
+            table_name: "table-7-fine",
+            side: extent.fine_side,
+            duration: extent.duration,
+            first: 56,
+            halvings: 3,
+            rows: Vec::new(),
+        },
     ];
     progress.begin(share, studies.iter().map(Study::work).sum());
     for study in &mut studies {
-        study.run(extent, progress)?;
+        study.run(progress)?;
     }
     let mut items = vec![Item::text(
         "The other factor, says the paper, is the step: it should be as short as possible, but the shorter it is the longer the \
@@ -64,7 +93,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
     items.push(Item::text(
         "The error here is the largest distance of any particle, in any frame, from a run with a quarter of the shortest \
          constant step. \"Largest safe\" is nine tenths of the largest stable step in the stiffest state on the way: one has to \
-         have run the scene to know it.",
+         have run the scene to know it. Where no constant step has the error of an adaptive run, it would not be stable.",
     ));
     items.extend(studies.iter().map(|study| Item::Figure(study.figure())));
     items.extend(studies.iter().map(|study| Item::Table(study.table())));
@@ -77,28 +106,29 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
 }
 
 impl Study {
-    fn new(name: &str, figure_name: &'static str, table_name: &'static str, first: u64) -> Self {
-        Self { reading: reading(name), figure_name, table_name, first, rows: Vec::new() }
-    }
-
-    /// Steps per frame of all constant steps together.
+    /// Particles, frames and steps of all constant steps together.
     fn work(&self) -> f64 {
-        (self.first << (HALVINGS + 3)) as f64
+        self.unit() * (self.first << (self.halvings + 3)) as f64
     }
 
-    fn run(&mut self, extent: &Extent, progress: &Progress<'_>) -> Result<(), CliError> {
-        let first = self.first;
+    /// Particles times simulated time [s].
+    fn unit(&self) -> f64 {
+        (self.side * self.side) as f64 * self.duration
+    }
+
+    fn run(&mut self, progress: &Progress<'_>) -> Result<(), CliError> {
+        let (first, mut rows) = (self.first, Vec::new());
         let trial = |steps: Steps| {
             let work = match steps {
-                Steps::PerFrame(count) => count as f64,
-                Steps::Adaptive | Steps::Tolerance(_) => first as f64,
+                Steps::PerFrame(count) => count as f64 * self.unit(),
+                Steps::Adaptive | Steps::Tolerance(_) => first as f64 * self.unit(),
             };
-            let trial = Trial::new(self.reading, extent.side, extent.long_duration, steps);
+            let trial = Trial::new(self.reading, self.side, self.duration, steps);
             Trial { work, ..trial }.keeping_positions().watching_stability()
         };
-        let converged = run(&trial(Steps::PerFrame(first << (HALVINGS + 2))), progress)?;
+        let converged = run(&trial(Steps::PerFrame(first << (self.halvings + 2))), progress)?;
         let safe = (1.0 / (FRAME_RATE * SAFE_SHARE * converged.stable_step)).ceil() as u64;
-        let constant = (0..=HALVINGS).map(|halving| (Kind::Constant, Steps::PerFrame(first << halving)));
+        let constant = (0..=self.halvings).map(|halving| (Kind::Constant, Steps::PerFrame(first << halving)));
         let tolerances =
             TOLERANCES.map(|tolerance| (Kind::Tolerance(tolerance), Steps::Tolerance(tolerance)));
         let cases = constant
@@ -106,9 +136,15 @@ impl Study {
             .chain(tolerances);
         for (kind, steps) in cases {
             let outcome = run(&trial(steps), progress)?;
-            self.rows.push(Accuracy { kind, error: outcome.distance_to(&converged), outcome });
+            rows.push(Accuracy { kind, error: outcome.distance_to(&converged), outcome });
         }
+        self.rows = rows;
         Ok(())
+    }
+
+    /// Reading, grid and simulated time.
+    fn title(&self) -> String {
+        format!("Reading {}, {2} x {2}, {1} s", self.reading.name, self.duration, self.side)
     }
 
     fn finding(&self) -> String {
@@ -118,13 +154,26 @@ impl Study {
         };
         let count = |row: &Accuracy| row.outcome.steps.accepted;
         format!(
-            "Reading {}: {} steps of the largest safe constant size, with an error of {} mm; {} adaptive ones, with {} mm.",
-            self.reading.name,
+            "{}: the largest safe constant step takes {} steps and errs by {}\u{a0}mm; adaptive steps are {} and err \
+             by {}\u{a0}mm.",
+            self.title(),
             count(safe),
             rounded(1e3 * safe.error, 2),
             count(adaptive),
             rounded(1e3 * adaptive.error, 2)
         )
+    }
+
+    /// How many constant steps have the error of `row`: between those that were tried, on a straight line through the
+    /// logarithms of steps and errors. None if it is beyond them.
+    fn equal_constant_steps(&self, row: &Accuracy) -> Option<f64> {
+        let constant: Vec<&Accuracy> = self.rows.iter().filter(|row| row.kind == Kind::Constant).collect();
+        let pair =
+            constant.windows(2).find(|pair| pair[1].error <= row.error && row.error <= pair[0].error)?;
+        let [coarse, fine] = [pair[0], pair[1]];
+        let share = libm::log(row.error / coarse.error) / libm::log(fine.error / coarse.error);
+        let [from, to] = [coarse, fine].map(|row| row.outcome.steps.accepted as f64);
+        Some(from * libm::pow(to / from, share))
     }
 
     fn figure(&self) -> Figure {
@@ -134,7 +183,7 @@ impl Study {
         };
         Figure {
             name: self.figure_name,
-            caption: format!("Error against the number of steps, with the reading {}.", self.reading.name),
+            caption: format!("{}: error against the number of steps.", self.title()),
             content: Content::Plot(Plot {
                 x: Axis::logarithmic("steps"),
                 y: Axis::logarithmic("error [mm]"),
@@ -175,13 +224,17 @@ impl Study {
                 milliseconds(steps.smallest),
                 milliseconds(steps.largest),
                 error,
+                match self.equal_constant_steps(row) {
+                    Some(steps) if row.kind != Kind::Constant => Cell::count(steps.round() as u64),
+                    _ => Cell::None,
+                },
                 Cell::rounded(row.outcome.residual()),
                 Cell::rounded(1e3 * row.outcome.stepping_seconds),
             ]
         });
         Table {
             name: self.table_name,
-            caption: format!("Step and error with the reading {}.", self.reading.name),
+            caption: format!("{}: steps and errors.", self.title()),
             columns: vec![
                 Column::new("step"),
                 Column::new("steps"),
@@ -189,6 +242,7 @@ impl Study {
                 Column::new("smallest [ms]"),
                 Column::new("largest [ms]"),
                 Column::new("error [mm]"),
+                Column::new("constant steps of that error"),
                 Column::new("missing energy [1]"),
                 Column::timed("time [ms]"),
             ],

@@ -33,14 +33,19 @@ fn item_text(item: &Item) -> Option<String> {
 }
 
 fn figure_text(figure: &Figure) -> String {
-    let files: Vec<String> = match &figure.content {
-        Content::Plot(_) | Content::Drawing(_) => vec![format!("{}.svg", figure.name)],
+    let (name, caption) = (figure.name, &figure.caption);
+    let images = match &figure.content {
+        Content::Plot(_) | Content::Drawing(_) => format!("![{caption}]({FOLDER}/{name}.svg)\n"),
         Content::Pictures(pictures) => {
-            (1..=pictures.len()).map(|number| format!("{}-{number}.png", figure.name)).collect()
+            let numbered = (1..).zip(pictures);
+            let images = numbered.map(|(number, picture)| {
+                let label = &picture.label;
+                format!("<img src=\"{FOLDER}/{name}-{number}.png\" alt=\"{label}\" title=\"{label}\" width=\"32%\">\n")
+            });
+            images.collect()
         }
     };
-    let images: Vec<String> = files.iter().map(|file| format!("![]({FOLDER}/{file})")).collect();
-    format!("{}\n\n*{}*\n", images.join("\n"), figure.caption)
+    format!("{images}\n*{caption}*\n")
 }
 
 fn table_text(table: &Table) -> String {

@@ -10,6 +10,8 @@ pub(crate) struct Extent {
     pub(crate) duration: f64,
     /// The same, of those of which step and error are compared: long enough to come nearly to rest.
     pub(crate) long_duration: f64,
+    /// The same, of a finer cloth of which step and error are compared.
+    pub(crate) fine_side: usize,
     /// Particles along each side, in the table of readings and grids.
     pub(crate) sides: &'static [usize],
     /// The same, in the measurement of time against number of particles.
@@ -23,6 +25,7 @@ impl Extent {
         side: 10,
         duration: 1.0,
         long_duration: 3.0,
+        fine_side: 20,
         sides: &[10, 20, 40, 80],
         cost_sides: &[10, 20, 40, 80, 160, 320],
     };
@@ -33,6 +36,7 @@ impl Extent {
         side: 6,
         duration: 0.25,
         long_duration: 0.25,
+        fine_side: 8,
         sides: &[4, 8],
         cost_sides: &[8, 16, 32],
     };

@@ -108,9 +108,9 @@ fn curve_figure() -> Figure {
         ),
         content: Content::Plot(Plot {
             x: Axis::linear("elongation x / L [%]"),
-            y: Axis::linear("adopted elongation y / L [%]").from_to(0.0, 20.0),
+            y: Axis::linear("adopted elongation y / L [%]").between(0.0, 20.0),
             series: vec![
-                Series::new("(a) cut-off", 5, Style::Line, xs().map(|x| per_cent([x, x.min(CUT_OFF)]))),
+                Series::new("(a) cut-off", 3, Style::Line, xs().map(|x| per_cent([x, x.min(CUT_OFF)]))),
                 Series::new("(b) arctangent", 1, Style::Line, xs().map(|x| per_cent([x, adopted(x)]))),
                 Series::new("no limit", 0, Style::Guide, [[0.0, 0.0], [40.0, 40.0]]),
             ],
@@ -130,8 +130,8 @@ fn tension_figure() -> Figure {
                   the elongation that is put into Hooke's law (softening)."
             .to_owned(),
         content: Content::Plot(Plot {
-            x: Axis::linear("strain [%]").from_to(0.0, 40.0),
-            y: Axis::linear("tension / k L [1]").from_to(0.0, 0.4),
+            x: Axis::linear("strain [%]").between(0.0, 40.0),
+            y: Axis::linear("tension / k L [1]").between(0.0, 0.4),
             series: vec![
                 Series::new(
                     "tangent",
@@ -216,7 +216,7 @@ fn table(all: &[Runs]) -> Table {
         let mut row = vec![Cell::text(runs.reading.name), Cell::rounded(1e3 * runs.steps[0])];
         row.extend(runs.outcomes.iter().map(|outcome| {
             let strain = outcome.max_strain;
-            Cell::number(strain, format!("{} %", rounded(100.0 * strain, 5)))
+            Cell::number(strain, format!("{}\u{a0}%", rounded(100.0 * strain, 5)))
         }));
         let ends = [runs.outcomes.first(), runs.outcomes.last()];
         row.extend(ends.into_iter().flatten().map(|outcome| Cell::rounded(outcome.residual())));

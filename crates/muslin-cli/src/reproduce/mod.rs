@@ -39,7 +39,7 @@ use report::{Content, Item, Report};
 const PAGE: &str = "index.html";
 
 /// The pieces of the book.
-const BOOK: &str = "figures.md";
+const BOOK: &str = "paper-figures.md";
 
 /// Recomputes the paper and writes the folder.
 pub(crate) fn reproduce(arguments: &ReproduceArguments) -> Result<(), CliError> {

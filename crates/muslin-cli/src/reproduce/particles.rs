@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn the_slope_is_that_of_a_power_law() {
         let points: Vec<[f64; 2]> =
-            (1..6).map(|n| f64::from(n)).map(|x| [x.ln(), (3.0 * x.powf(1.5)).ln()]).collect();
+            (1..6).map(f64::from).map(|x| [x.ln(), (3.0 * x.powf(1.5)).ln()]).collect();
         assert!((slope(&points) - 1.5).abs() < 1e-12);
     }
 }

@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn points_lie_where_the_axes_say() {
         let mut plot = plot(&[[1.0, 0.0], [10.0, 5.0], [100.0, 10.0]]);
-        plot.x = plot.x.from_to(1.0, 100.0);
+        plot.x = plot.x.between(1.0, 100.0);
         let svg = plot.elements("figure");
         let [left, right, top] = MARGINS;
         let middle = [left + 0.5 * (WIDTH - left - right), top + 0.5 * FIELD_HEIGHT];

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::extent::Extent;
 use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
-use super::report::{Cell, Column, Content, Figure, Item, Section, Table, per_cent};
+use super::report::{Cell, Column, Content, Figure, Item, Section, Table, grouped, per_cent};
 use super::trial::{Outcome, READINGS, Reading, Steps, Trial, run};
 use crate::error::CliError;
 
@@ -64,6 +64,12 @@ fn steps(reading: Reading, side: usize) -> Steps {
     Steps::PerFrame((reading.steps_per_frame * side as u64).div_ceil(10))
 }
 
+/// How many constant steps of a safe size the run would take.
+fn constant_steps(outcome: &Outcome) -> f64 {
+    let duration = outcome.frames.last().map_or(f64::NAN, |frame| frame.time);
+    (duration / (SAFE_SHARE * outcome.stable_step)).ceil()
+}
+
 /// Largest strains of every reading on the coarsest and on the finest grid.
 fn finding(cases: &[Case]) -> String {
     let parts = READINGS.iter().filter_map(|reading| {
@@ -73,10 +79,16 @@ fn finding(cases: &[Case]) -> String {
         Some(format!("{} from {from} to {to}", reading.name))
     });
     let [from, to] = [cases.first(), cases.last()].map(|case| case.map_or(0, |case| case.side));
-    format!(
-        "From {from} x {from} to {to} x {to} particles the largest strain goes: {}.",
-        parts.collect::<Vec<_>>().join("; ")
-    )
+    let parts = parts.collect::<Vec<_>>().join("; ");
+    let mut text = format!("From {from} x {from} to {to} x {to} particles the largest strain goes: {parts}.");
+    if let Some(finest) = cases.iter().rfind(|case| case.reading.name == "tangent") {
+        text.push_str(&format!(
+            " On the finest grid the tangent law takes {} adaptive steps, where safe constant ones are {}.",
+            grouped(finest.outcome.steps.accepted),
+            grouped(constant_steps(&finest.outcome) as u64)
+        ));
+    }
+    text
 }
 
 fn figure(cases: &[Case]) -> Figure {
@@ -99,8 +111,7 @@ fn figure(cases: &[Case]) -> Figure {
 fn table(cases: &[Case]) -> Table {
     let rows = cases.iter().map(|case| {
         let outcome = &case.outcome;
-        let duration = outcome.frames.last().map_or(f64::NAN, |frame| frame.time);
-        let constant = (duration / (SAFE_SHARE * outcome.stable_step)).ceil();
+        let constant = constant_steps(outcome);
         let strain = match &outcome.failure {
             None => Cell::per_cent(outcome.max_strain),
             Some(_) => Cell::text("unstable"),

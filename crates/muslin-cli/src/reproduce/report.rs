@@ -240,14 +240,14 @@ pub(crate) fn csv_field(text: &str) -> String {
 }
 
 /// A whole number in groups of three digits, with narrow spaces that do not break.
-fn grouped(count: u64) -> String {
+pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     if digits.len() < 5 {
         return digits;
     }
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
-        if index != 0 && (digits.len() - index) % 3 == 0 {
+        if index != 0 && (digits.len() - index).is_multiple_of(3) {
             text.push('\u{202f}');
         }
         text.push(digit);
@@ -267,7 +267,7 @@ pub(crate) fn rounded(value: f64, digits: u8) -> String {
 
 /// A share [1] in per cent.
 pub(crate) fn per_cent(share: f64) -> String {
-    format!("{} %", rounded(100.0 * share, 3))
+    format!("{}\u{a0}%", rounded(100.0 * share, 3))
 }
 
 /// 10 with `exponent` as superscript.
@@ -295,7 +295,7 @@ mod tests {
             ["1234", "12\u{202f}345", "1\u{202f}234\u{202f}567"]
         );
         assert_eq!([0.0123, -1.5e-9].map(|value| rounded(value, 3)), ["0.0123", "−1.50 · 10⁻⁹"]);
-        assert_eq!(Cell::per_cent(0.2327).shown(), "23.3 %");
+        assert_eq!(Cell::per_cent(0.2327).shown(), "23.3\u{a0}%");
         assert_eq!(Cell::rounded(f64::NAN).shown(), "—");
     }
 

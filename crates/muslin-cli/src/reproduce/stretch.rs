@@ -196,8 +196,8 @@ fn fabrics_figure(measurements: &[Measurement], fits: &[(&Measurement, Fit)]) ->
                   points."
             .to_owned(),
         content: Content::Plot(Plot {
-            x: Axis::linear("strain [%]").from_to(0.0, 20.0),
-            y: Axis::linear("tension per width [N/m]").from_to(0.0, 600.0),
+            x: Axis::linear("strain [%]").between(0.0, 20.0),
+            y: Axis::linear("tension per width [N/m]").between(0.0, 600.0),
             series,
         }),
     }
@@ -231,8 +231,8 @@ fn law_figure(fits: &[(&Measurement, Fit)]) -> Figure {
                   stiffens without bound at a strain of ½π a."
             .to_owned(),
         content: Content::Plot(Plot {
-            x: Axis::linear("strain [%]").from_to(0.0, 20.0),
-            y: Axis::linear("tension / stiffness at rest [1]").from_to(0.0, 0.4),
+            x: Axis::linear("strain [%]").between(0.0, 20.0),
+            y: Axis::linear("tension / stiffness at rest [1]").between(0.0, 0.4),
             series,
         }),
     }

@@ -61,7 +61,7 @@ pub(crate) const READINGS: [Reading; 5] = [
         name: "projection",
         assignments: &["fabric.paper.limit={ kind = \"arctangent-projection\" }"],
         meaning: "The curve to the letter, as a length: after each step every spring is given the elongation y for its x. That adds \
-                  a stiffness of 0.061 m / h², which grows without end as the step h gets shorter.",
+                  a stiffness of (1 / 0.3π − 1) m / h² to a mass m, which grows without end as the step h gets shorter.",
         colour: 4,
         steps_per_frame: 20,
         converges: false,
@@ -79,7 +79,7 @@ pub(crate) const READINGS: [Reading; 5] = [
     Reading {
         name: "softening",
         assignments: &["fabric.paper.structural.law=arctangent-force"],
-        meaning: "The curve as the elongation in Hooke's law, f = k y: a spring that carries no load above 0.0942 k L.",
+        meaning: "The curve as the elongation in Hooke's law, f = k y: a spring that carries no load above 0.03π k L.",
         colour: 2,
         steps_per_frame: 20,
         converges: true,
