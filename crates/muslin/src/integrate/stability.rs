@@ -27,7 +27,12 @@ const CHECK_INTERVAL: usize = 6;
 #[must_use]
 pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
     let particles = model.particles();
-    let at = Configuration { time: state.time, particles, positions: &state.positions };
+    let at = Configuration {
+        time: state.time,
+        particles,
+        positions: &state.positions,
+        velocities: &state.velocities,
+    };
     let mut largest = 0.0_f64;
     let mut bounds = Vec::new();
     for block in model.blocks() {
@@ -103,7 +108,12 @@ impl<'a> StiffnessOperator<'a> {
         let particles = model.particles();
         let constants = particles.masses().iter().zip(particles.pinned());
         let scales = constants.map(|(mass, pinned)| if *pinned { 0.0 } else { 1.0 / mass.sqrt() }).collect();
-        let at = Configuration { time: state.time, particles, positions: &state.positions };
+        let at = Configuration {
+            time: state.time,
+            particles,
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
         Self { model, at, workers, scales, displacements: Points::zeros(particles.len()) }
     }
 

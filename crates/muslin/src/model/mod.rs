@@ -13,8 +13,8 @@ pub use grid::Grid;
 pub use particles::Particles;
 pub use surface::{Surface, SurfaceGrid};
 
-use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};
-use crate::scene::{Fabric, NoiseSettings, PinSettings, Scene, WindSettings};
+use crate::force::{AerodynamicWind, Force, Gravity, GridSprings, Gust, Noise, ParticleWind, RandomStream};
+use crate::scene::{Fabric, GustSettings, NoiseSettings, PinSettings, RunSettings, Scene, WindSettings};
 use crate::{Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
@@ -72,14 +72,8 @@ impl Model {
             forces.push(Box::new(GridSprings::new(grid, fabric)));
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
-        for (index, wind) in environment.winds.iter().enumerate() {
-            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction, noise } = *wind;
-            let noise = noise.map(|NoiseSettings { deviation, time }| {
-                let stream = RandomStream::new(scene.run().seed, &format!("environment.wind.{index}.noise"));
-                Noise::new(deviation, time, scene.run().duration, stream)
-            });
-            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction, noise }));
-        }
+        let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
+        forces.extend(winds(&environment.winds, scene.run(), &grids));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
         Self { particles, cloths, forces, blocks }
     }
@@ -142,4 +136,41 @@ impl Model {
         }
         counts
     }
+}
+
+/// The forces of all winds: one for each on particles, and one for all that push faces, whose velocities add up.
+fn winds(settings: &[WindSettings], run: &RunSettings, grids: &[Grid]) -> Vec<Box<dyn Force>> {
+    let mut forces: Vec<Box<dyn Force>> = Vec::new();
+    let mut air: Option<AerodynamicWind> = None;
+    for (index, wind) in settings.iter().enumerate() {
+        match wind {
+            WindSettings::ParticleForce(settings) => {
+                forces.push(Box::new(ParticleWind { force: gust(settings, run, index) }));
+            }
+            WindSettings::Aerodynamic(settings) => {
+                let air = air.get_or_insert_with(|| AerodynamicWind {
+                    air_density: settings.air_density,
+                    normal_coefficient: settings.normal_coefficient,
+                    tangential_coefficient: settings.tangential_coefficient,
+                    velocity: glam::DVec3::ZERO,
+                    gusts: Vec::new(),
+                    grids: grids.to_vec(),
+                });
+                air.velocity += settings.velocity;
+                air.gusts.extend(settings.gust.as_ref().map(|settings| gust(settings, run, index)));
+            }
+        }
+    }
+    forces.extend(air.map(|air| Box::new(air) as Box<dyn Force>));
+    forces
+}
+
+/// The gust of wind number `index`, whose noise no other wind has.
+fn gust(settings: &GustSettings, run: &RunSettings, index: usize) -> Gust {
+    let GustSettings { amplitude, angular_frequency, phase, direction, noise } = *settings;
+    let noise = noise.map(|NoiseSettings { deviation, time }| {
+        let stream = RandomStream::new(run.seed, &format!("environment.wind.{index}.noise"));
+        Noise::new(deviation, time, run.duration, stream)
+    });
+    Gust { amplitude, angular_frequency, phase, direction, noise }
 }

@@ -74,7 +74,8 @@ fn nothing_stiff_is_always_stable() {
 /// Forces [N] on all particles at `positions` [m].
 fn forces(model: &Model, positions: &Points) -> Points {
     let mut forces = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions };
+    let velocities = Points::zeros(positions.len());
+    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
