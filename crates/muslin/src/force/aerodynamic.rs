@@ -75,21 +75,18 @@ impl AerodynamicWind {
         }
     }
 
-    /// Overwrites the first forces with those [N] on each corner of `cells` in air of velocity `air` [m/s].
-    fn eval_corner_forces(&self, at: Configuration<'_>, air: DVec3, cells: Cells, forces: &mut CornerForces) {
-        let positions = Corners::new(at.positions, cells);
-        let velocities = Corners::new(at.velocities, cells);
+    /// Overwrites the first `forces` with those [N] on each corner of `faces`.
+    fn eval_corner_forces(&self, faces: &Faces, forces: &mut [[f64; CHUNK]; 3]) {
+        let count = faces.count;
+        let [x, y, z] = forces.each_mut().map(|axis| &mut axis[..count]);
         let factor = 0.125 * self.air_density;
-        let count = cells.count;
-        let (x, y, z) = (&mut forces.x[..count], &mut forces.y[..count], &mut forces.z[..count]);
-        for i in 0..count {
-            let face = Face::new(positions.area(i), air - velocities.mean(i));
+        faces.for_each(|i, face| {
             let pressure = self.normal_coefficient * face.normal_speed.abs();
             let friction = self.tangential_coefficient * face.speed;
             let along_normal = (pressure - friction) * face.normal_speed;
             let force = (face.normal * along_normal + face.velocity * friction) * (factor * face.area);
             (x[i], y[i], z[i]) = (force.x, force.y, force.z);
-        }
+        });
     }
 }
 
@@ -104,46 +101,72 @@ struct Cells {
     columns: usize,
 }
 
-/// Forces [N] on one corner of each of some cells.
-struct CornerForces {
-    x: [f64; CHUNK],
-    y: [f64; CHUNK],
-    z: [f64; CHUNK],
+impl Cells {
+    /// Each coordinate of the four corners of all cells, in turn around each.
+    fn corner_axes<'a>(&self, points: &'a Points) -> [[&'a [f64]; 4]; 3] {
+        let offsets = [0, 1, self.columns + 1, self.columns];
+        [&points.x, &points.y, &points.z]
+            .map(|axis| offsets.map(|offset| &axis[self.first + offset..][..self.count]))
+    }
 }
 
-impl CornerForces {
-    const ZERO: Self = Self { x: [0.0; CHUNK], y: [0.0; CHUNK], z: [0.0; CHUNK] };
+/// The faces of some cells, coordinate by coordinate, so that loops over them vectorise.
+struct Faces {
+    count: usize,
+    /// From the first to the third corner [m].
+    diagonals: [[f64; CHUNK]; 3],
+    /// From the second to the fourth corner [m].
+    other_diagonals: [[f64; CHUNK]; 3],
+    /// Velocities of the air relative to the faces [m/s].
+    velocities: [[f64; CHUNK]; 3],
 }
 
-/// Vectors at the corners of some cells: a row of them and the next, each one longer than the cells.
-struct Corners<'a> {
-    near: [&'a [f64]; 3],
-    far: [&'a [f64]; 3],
-}
+impl Faces {
+    const NONE: Self = Self {
+        count: 0,
+        diagonals: [[0.0; CHUNK]; 3],
+        other_diagonals: [[0.0; CHUNK]; 3],
+        velocities: [[0.0; CHUNK]; 3],
+    };
 
-impl<'a> Corners<'a> {
-    fn new(points: &'a Points, cells: Cells) -> Self {
-        let row =
-            |first: usize| [&points.x, &points.y, &points.z].map(|axis| &axis[first..][..cells.count + 1]);
-        Self { near: row(cells.first), far: row(cells.first + cells.columns) }
+    /// Replaces the faces by those of `cells` in air of velocity `air` [m/s].
+    fn eval(&mut self, at: Configuration<'_>, air: DVec3, cells: Cells) {
+        self.count = cells.count;
+        for (axis, [a, b, c, d]) in cells.corner_axes(at.positions).into_iter().enumerate() {
+            difference(&mut self.diagonals[axis], c, a);
+            difference(&mut self.other_diagonals[axis], d, b);
+        }
+        for (axis, corners) in cells.corner_axes(at.velocities).into_iter().enumerate() {
+            relative_to_mean(&mut self.velocities[axis], air[axis], corners);
+        }
     }
 
-    /// Area vector of cell `i` [m²], if these are positions [m].
+    /// Calls `visit` with the number of each face and the face.
     #[inline]
-    fn area(&self, i: usize) -> DVec3 {
-        let diagonal = |axis: usize| self.far[axis][i + 1] - self.near[axis][i];
-        let other = |axis: usize| self.far[axis][i] - self.near[axis][i + 1];
-        let (p, q) = (DVec3::from_array([0, 1, 2].map(diagonal)), DVec3::from_array([0, 1, 2].map(other)));
-        p.cross(q) * 0.5
+    fn for_each(&self, mut visit: impl FnMut(usize, Face)) {
+        let count = self.count;
+        let [px, py, pz] = self.diagonals.each_ref().map(|axis| &axis[..count]);
+        let [qx, qy, qz] = self.other_diagonals.each_ref().map(|axis| &axis[..count]);
+        let [x, y, z] = self.velocities.each_ref().map(|axis| &axis[..count]);
+        for i in 0..count {
+            let (p, q) = (DVec3::new(px[i], py[i], pz[i]), DVec3::new(qx[i], qy[i], qz[i]));
+            visit(i, Face::new(p.cross(q) * 0.5, DVec3::new(x[i], y[i], z[i])));
+        }
     }
+}
 
-    /// Mean of the corners of cell `i`.
-    #[inline]
-    fn mean(&self, i: usize) -> DVec3 {
-        let sum = |axis: usize| {
-            (self.near[axis][i] + self.far[axis][i + 1]) + (self.near[axis][i + 1] + self.far[axis][i])
-        };
-        DVec3::from_array([0, 1, 2].map(sum)) * 0.25
+/// Overwrites the first `values` with a − b.
+fn difference(values: &mut [f64], a: &[f64], b: &[f64]) {
+    for ((value, a), b) in values.iter_mut().zip(a).zip(b) {
+        *value = a - b;
+    }
+}
+
+/// Overwrites the first `values` with `air` less the mean of four corners, opposite ones first, so that it does not matter
+/// from which corner a cell is counted.
+fn relative_to_mean(values: &mut [f64], air: f64, [a, b, c, d]: [&[f64]; 4]) {
+    for ((((value, a), b), c), d) in values.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *value = air - 0.25 * ((a + c) + (b + d));
     }
 }
 
@@ -174,15 +197,13 @@ impl Face {
 impl Force for AerodynamicWind {
     fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
         let air = self.air_velocity(at.time);
-        let mut corner_forces = CornerForces::ZERO;
+        let (mut faces, mut corner_forces) = (Faces::NONE, [[0.0; CHUNK]; 3]);
         self.for_each_run(block, |cells, targets| {
-            self.eval_corner_forces(at, air, cells, &mut corner_forces);
+            faces.eval(at, air, cells);
+            self.eval_corner_forces(&faces, &mut corner_forces);
             for target in targets.into_iter().flatten() {
-                for (forces, corner_forces) in [
-                    (&mut *forces.x, &corner_forces.x),
-                    (&mut *forces.y, &corner_forces.y),
-                    (&mut *forces.z, &corner_forces.z),
-                ] {
+                let axes = [&mut *forces.x, &mut *forces.y, &mut *forces.z];
+                for (forces, corner_forces) in axes.into_iter().zip(&corner_forces) {
                     add_to_corners(&mut forces[target..=target + cells.count], &corner_forces[..cells.count]);
                 }
             }
@@ -200,16 +221,14 @@ impl Force for AerodynamicWind {
     /// of which a quarter acts on each corner, and a quarter of ∂u is due to each.
     fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let air = self.air_velocity(at.time);
-        let mut corner_bounds = [0.0; CHUNK];
+        let (mut faces, mut corner_bounds) = (Faces::NONE, [0.0; CHUNK]);
         self.for_each_run(block, |cells, targets| {
-            let positions = Corners::new(at.positions, cells);
-            let velocities = Corners::new(at.velocities, cells);
-            for (i, bound) in corner_bounds[..cells.count].iter_mut().enumerate() {
-                let face = Face::new(positions.area(i), air - velocities.mean(i));
+            faces.eval(at, air, cells);
+            faces.for_each(|i, face| {
                 let slope = self.normal_coefficient * face.normal_speed.abs()
                     + self.tangential_coefficient * face.speed;
-                *bound = 0.25 * self.air_density * face.area * slope;
-            }
+                corner_bounds[i] = 0.25 * self.air_density * face.area * slope;
+            });
             for target in targets.into_iter().flatten() {
                 add_to_corners(&mut bounds[target..=target + cells.count], &corner_bounds[..cells.count]);
             }

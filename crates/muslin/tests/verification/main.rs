@@ -5,12 +5,15 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aerodynamics;
 mod conservation;
 mod energy;
 mod falling;
+mod flutter;
 mod laws;
 mod order;
 mod oscillator;
 mod printed_form;
 mod stability;
 mod statics;
+mod wind_spectrum;
