@@ -53,11 +53,11 @@ impl AerodynamicWind {
         self.gusts.iter().fold(self.velocity, |velocity, gust| velocity + gust.value(time))
     }
 
-    /// Calls `visit` with the cells that the particles of `block` are corners of, in ascending order and at most [`CHUNK`] at a
-    /// time, and with where their first and second rows of corners begin in the block, if they do.
+    /// Calls `visit` with the cells that the particles of `block` are corners of, in ascending order and at most [`CHUNK`] at
+    /// a time, and with where their first and second rows of corners begin in the block, if they do.
     ///
-    /// Cells on the border of the block are visited for both blocks. So every particle gets what its cells add in the same order, whatever
-    /// the blocks.
+    /// Cells on the border of two blocks are visited for both. So every particle gets what its cells add in the same order,
+    /// whatever the blocks.
     fn for_each_run(&self, block: &Range<usize>, mut visit: impl FnMut(Cells, [Option<usize>; 2])) {
         let found = self.grids.iter().find_map(|grid| Some((grid, grid.block_rows(block)?)));
         let Some((grid, rows)) = found else { return };
