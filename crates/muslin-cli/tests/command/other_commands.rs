@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use crate::work::{Work, exists};
 
-const NAMES: [&str; 6] = ["hanging", "hanging-tangent", "hanging-100", "flag", "free-fall", "pendulum"];
+const NAMES: [&str; 7] =
+    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "pendulum"];
 
 #[test]
 fn check_tells_what_a_run_would_be() {
@@ -57,7 +58,7 @@ fn every_new_scene_runs() {
     }
     work.muslin("new curtain").assert_failure(
         2,
-        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, free-fall, \
+        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, flag-flutter, free-fall, \
          pendulum",
     );
 }

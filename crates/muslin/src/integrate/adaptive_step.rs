@@ -1,8 +1,6 @@
 //! The self-adaptive time step.
 
-use serde::{Deserialize, Serialize};
-
-use super::Motion;
+use crate::state::{Motion, StepMemory};
 
 /// Share of the guaranteed stable step [1] that is taken where the stiffness can change.
 const STABLE_SHARE: f64 = 0.8;
@@ -34,24 +32,6 @@ const BALANCE: f64 = 0.8;
 /// Growth and shrinkage of the step at once at most where a tolerance rules it [1].
 const TOLERANCE_CHANGE: [f64; 2] = [0.3, 1.5];
 
-/// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepMemory {
-    /// The latest step [s], had no frame been near; zero before the first.
-    ideal_step: f64,
-    /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
-    tolerated_step: f64,
-    /// Largest frequency at which the motion's energy oscillates, relative to the fastest of any motion [1], over this span
-    /// of steps and the span before.
-    energetic_shares: [f64; 2],
-    /// Steps of this span so far.
-    span_steps: u32,
-    /// Largest kinetic energy [J] so far.
-    peak_kinetic_energy: f64,
-    /// What was measured in the latest step.
-    motion: Motion,
-}
-
 impl Default for StepMemory {
     /// Before the first step.
     fn default() -> Self {
@@ -69,11 +49,6 @@ impl Default for StepMemory {
 impl StepMemory {
     fn energetic_share(&self) -> f64 {
         self.energetic_shares[0].max(self.energetic_shares[1])
-    }
-
-    /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
-    pub(crate) fn tolerated_step(&self) -> f64 {
-        self.tolerated_step
     }
 }
 
