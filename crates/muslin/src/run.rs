@@ -61,7 +61,7 @@ enum Steps {
         /// A guaranteed stable step [s] at the current state.
         stable: f64,
         /// The state before a step that may be taken back; empty if none is.
-        before: State,
+        before: Box<State>,
     },
 }
 
@@ -149,7 +149,7 @@ impl Simulation {
             StepRule::Adaptive { tolerance } => {
                 let stable = integrator.eval_forces_and_stable_step(&model, &state);
                 let rule = adaptive_step(&settings, &model, tolerance);
-                Steps::Adaptive { rule, stable, before: State::at_rest(Points::default()) }
+                Steps::Adaptive { rule, stable, before: Box::new(State::at_rest(Points::default())) }
             }
         };
         integrator.velocities(&model, &state, &mut velocities);

@@ -104,11 +104,12 @@ fn every_value_of_a_complete_scene_is_read() {
 }
 
 #[test]
-fn a_scene_warns_of_its_limits() {
+fn a_scene_warns_of_what_its_reader_must_know() {
     let scene = Scene::parse(COMPLETE).expect("a good scene");
     assert_eq!(
         scene.warnings(),
         [
+            "the cloth `糸` has one row or column and so no faces, on which alone an aerodynamic wind acts",
             "`fabric.paper.limit` shortens springs that are too long after each step, so where it acts the motion \
              depends on the step",
             "`fabric.\"stiff paper\".limit` shortens every stretched spring after each step, so the motion depends \

@@ -26,7 +26,7 @@ Small cloth
   step                 5.00 ms (5.000000000000e-3 s), 100 of them
   largest stable step  30.1 ms in the initial shape
   stable for certain   19.7 ms (Gershgorin)
-  suggested            step = { constant = 2.500000000000e-2 }"
+  suggested            step = { constant = 2.500000000000e-2 }, or \"adaptive\""
     );
     assert!(measured[0].starts_with("  estimated cost       "), "{}", measured[0]);
     // 11 frames of 20 particles with positions and velocities of 24 bytes each.

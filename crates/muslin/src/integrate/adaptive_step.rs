@@ -220,9 +220,9 @@ mod tests {
     /// The rule is the same backwards: from h⁺ and the same H it gives h⁻.
     #[test]
     fn the_rule_is_reversible_where_it_is_not_clamped() {
-        let memory = StepMemory { ideal_step: 2.1e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
+        let memory = StepMemory { ideal_step: 1.6e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
         let next = RULE.ideal_step(&memory, 0.01);
-        assert!((next - 1.0 / (2.0 / 2e-4 - 1.0 / 2.1e-4)).abs() < 1e-18, "{next}");
+        assert!((next - 1.0 / (2.0 / 1.5e-4 - 1.0 / 1.6e-4)).abs() < 1e-18, "{next}");
         let back = RULE.ideal_step(&StepMemory { ideal_step: next, ..memory }, 0.01);
         assert!((back - memory.ideal_step).abs() < 1e-18, "{back}");
     }
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn a_motion_of_the_fastest_mode_is_resolved() {
         let mut memory = StepMemory::default();
-        let (omega, step) = (50.0_f64, 1e-4);
+        let (omega, step) = (50.0_f64, 6e-4);
         let motion = |n: f64| {
             // v = cos ωt in the middle of step n, F = −ω sin ωt at its ends, m = 1.
             let v = (omega * (n + 0.5) * step).cos();
@@ -247,10 +247,10 @@ mod tests {
             let force = -omega * (omega * n * step).sin();
             Motion { kinetic_energy: 0.5 * v * v, power_before: v_before * force, power_after: v * force }
         };
-        for n in 0..1000 {
+        for n in 0..500 {
             RULE.remember(&mut memory, step, motion(f64::from(n)), step, 2.0 / omega);
         }
-        assert!((memory.energetic_share() - 1.0).abs() < 1e-3, "{}", memory.energetic_share());
+        assert!((memory.energetic_share() - 1.0).abs() < 2e-3, "{}", memory.energetic_share());
         let ideal = RULE.ideal_step(&StepMemory { ideal_step: 0.0, ..memory }, 2.0 / omega);
         assert!((ideal * omega - ENERGY_ACCURACY).abs() < 1e-4, "{}", ideal * omega);
     }
