@@ -15,12 +15,12 @@ const REJECTED_SHARE: f64 = 0.95;
 const REJECTED_GROWTH: f64 = 3.0;
 
 /// Largest product of the step and the frequency at which the motion's energy oscillates [1]. The energy of central
-/// differences is then kept to a sixth of its square, 1.5e-4 of the kinetic energy.
-const ENERGY_ACCURACY: f64 = 0.03;
+/// differences is then kept to a sixth of its square, 6e-4 of the kinetic energy.
+const ENERGY_ACCURACY: f64 = 0.06;
 
 /// Steps of one span of memory. A motion of the very frequency that limits the step turns by [`ENERGY_ACCURACY`] in each, so
 /// that this is more than half of its period, after which it is as fast again.
-const SPAN_STEPS: u32 = 130;
+const SPAN_STEPS: u32 = 65;
 
 /// Share before the first step [1], when nothing is known of the motion to come, and the steps for which it is remembered.
 const INITIAL_SHARE: f64 = 1.0;
@@ -58,7 +58,7 @@ impl StepMemory {
 /// [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)) it asks for
 ///
 /// ```text
-/// H = min(0.8 · 2/ω, 0.03 / ω_E, longest step that any force or drag allows)
+/// H = min(0.8 · 2/ω, 0.06 / ω_E, longest step that any force or drag allows)
 /// ```
 ///
 /// **Stability.** 2/ω is the limit of central differences. Where the bound cannot change (Hooke's law) the share is 0.95.
@@ -220,9 +220,9 @@ mod tests {
     /// The rule is the same backwards: from h⁺ and the same H it gives h⁻.
     #[test]
     fn the_rule_is_reversible_where_it_is_not_clamped() {
-        let memory = StepMemory { ideal_step: 1.6e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
+        let memory = StepMemory { ideal_step: 3.1e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
         let next = RULE.ideal_step(&memory, 0.01);
-        assert!((next - 1.0 / (2.0 / 1.5e-4 - 1.0 / 1.6e-4)).abs() < 1e-18, "{next}");
+        assert!((next - 1.0 / (2.0 / 3e-4 - 1.0 / 3.1e-4)).abs() < 1e-18, "{next}");
         let back = RULE.ideal_step(&StepMemory { ideal_step: next, ..memory }, 0.01);
         assert!((back - memory.ideal_step).abs() < 1e-18, "{back}");
     }
@@ -235,11 +235,11 @@ mod tests {
         assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
     }
 
-    /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.03 steps.
+    /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.06 steps.
     #[test]
     fn a_motion_of_the_fastest_mode_is_resolved() {
         let mut memory = StepMemory::default();
-        let (omega, step) = (50.0_f64, 6e-4);
+        let (omega, step) = (50.0_f64, 1.2e-3);
         let motion = |n: f64| {
             // v = cos ωt in the middle of step n, F = −ω sin ωt at its ends, m = 1.
             let v = (omega * (n + 0.5) * step).cos();
