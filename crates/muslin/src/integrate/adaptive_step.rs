@@ -91,8 +91,9 @@ impl StepMemory {
 ///
 /// **Frames** are hit exactly: the rest of the frame is divided by the number of steps that it needs.
 ///
-/// Sources: Holder, Leimkuhler, Reich, "Explicit variable step-size and time-reversible integration", 2001, for the
-/// balance. The paper names a "self-adaptive" step without saying what it is.
+/// The paper names a "self-adaptive" step without saying what it is; this one is ours. That a step chosen from the past
+/// alone destroys the symmetry in time, and with it the long-term energy, is what Hairer and Söderlind, "Explicit, time
+/// reversible, adaptive step size control", 2005, say in their abstract.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveStep {
     /// Time from frame to frame [s].
