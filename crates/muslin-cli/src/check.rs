@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use muslin::force::Family;
 use muslin::integrate::{Workers, guaranteed_stable_step, largest_stable_step};
 use muslin::scene::StepRule;
-use muslin::{Model, Scene, Simulation, State, suggested_step};
+use muslin::{Model, Scene, Simulation, State, initial_step, suggested_step};
 
 use crate::args::CheckArguments;
 use crate::error::CliError;
@@ -27,8 +27,9 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<(), CliError> {
     CliError::print(write_check(&mut stdout().lock(), &scene, &model, &state, integrator.workers()))?;
     // The run's own check has the last word on the step.
     Simulation::new(&scene, integrator).map_err(|error| unstable(&error))?;
+    let step = initial_step(&scene, &model, &state);
     let cost = measured_step_cost(&scene, &model, state)?;
-    CliError::print(write_cost(&mut stdout().lock(), &scene, &model, cost))
+    CliError::print(write_cost(&mut stdout().lock(), &scene, &model, step, cost))
 }
 
 fn write_check(
@@ -57,17 +58,28 @@ fn write_check(
         writeln!(out, "  {:<20} {count}", format!("{} springs", family.name()))?;
     }
     let settings = scene.run();
-    let StepRule::Constant { steps_per_frame } = settings.step;
-    let steps = steps_per_frame * settings.frame_intervals;
-    let step = 1.0 / (settings.frame_rate * steps_per_frame as f64);
-    writeln!(out, "  step                 {} ({step:.12e} s), {steps} of them", duration_text(step))?;
+    let step = initial_step(scene, model, state);
+    let steps = (settings.duration / step).round();
+    match settings.step {
+        StepRule::Constant { .. } => {
+            writeln!(out, "  step                 {} ({step:.12e} s), {steps} of them", duration_text(step))?;
+        }
+        StepRule::Adaptive { .. } => {
+            writeln!(out, "  step                 adaptive: {} in the initial shape", duration_text(step))?;
+        }
+    }
     let largest = largest_stable_step(model, state, workers);
     if largest.is_finite() {
         let guaranteed = guaranteed_stable_step(model, state);
-        let suggestion = suggested_step(settings.frame_rate, largest);
         writeln!(out, "  largest stable step  {} in the initial shape", duration_text(largest))?;
         writeln!(out, "  stable for certain   {} (Gershgorin)", duration_text(guaranteed))?;
-        writeln!(out, "  suggested            step = {{ constant = {suggestion:.12e} }}")?;
+        if matches!(settings.step, StepRule::Constant { .. }) {
+            let suggestion = suggested_step(settings.frame_rate, largest);
+            writeln!(
+                out,
+                "  suggested            step = {{ constant = {suggestion:.12e} }}, or \"adaptive\""
+            )?;
+        }
     } else {
         writeln!(out, "  largest stable step  any: nothing is stiff")?;
     }
@@ -90,12 +102,19 @@ fn measured_step_cost(scene: &Scene, model: &Model, mut state: State) -> Result<
     Ok(start.elapsed().as_secs_f64() / f64::from(count.max(1)))
 }
 
-fn write_cost(out: &mut impl Write, scene: &Scene, model: &Model, cost: f64) -> io::Result<()> {
+fn write_cost(out: &mut impl Write, scene: &Scene, model: &Model, step: f64, cost: f64) -> io::Result<()> {
     let settings = scene.run();
-    let StepRule::Constant { steps_per_frame } = settings.step;
-    let steps = (steps_per_frame * settings.frame_intervals) as f64;
+    let steps = settings.duration / step;
     let bytes = (settings.frame_intervals + 1) as f64 * model.particles().len() as f64 * 48.0;
-    writeln!(out, "  estimated cost       {} for the steps", duration_text(steps * cost))?;
+    writeln!(
+        out,
+        "  estimated cost       {} for the steps{}",
+        duration_text(steps * cost),
+        match settings.step {
+            StepRule::Constant { .. } => "",
+            StepRule::Adaptive { .. } => ", more if springs stiffen",
+        }
+    )?;
     writeln!(out, "  estimated size       {} MB for trajectory.npz", significant(bytes * 1e-6))?;
     out.flush()
 }

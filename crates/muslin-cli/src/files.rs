@@ -51,6 +51,10 @@ pub(crate) fn write_files(
     let pins: Vec<u32> = model.particles().pins().map(|particle| particle as u32).collect();
     progress.writing("scene.toml");
     output.write("scene.toml", |out| io::Write::write_all(out, file.text.as_bytes()))?;
+    for data in scene.data_files() {
+        progress.writing("data files");
+        output.write(data.name(), |out| io::Write::write_all(out, data.bytes()))?;
+    }
     progress.writing("trajectory.npz");
     output.write("trajectory.npz", |out| {
         write_trajectory(out, &times, &model.surface(usize::MAX).triangles, store)
@@ -109,6 +113,7 @@ pub(crate) fn write_files(
         serde_json::to_writer_pretty(&mut *out, &json)?;
         io::Write::write_all(out, b"\n")
     })?;
+    run.output.remove_replaced_data()?;
     if *ending != Ending::Interrupted {
         run.output.remove_partial()?;
     }
@@ -254,10 +259,12 @@ pub(crate) fn residual_text(residual: f64) -> String {
 
 /// Gives the strain [1] of every particle from the positions of all.
 fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
+    let velocities = Points::default();
     move |positions, strains| {
         strains.clear();
         strains.resize(positions.len(), 0.0);
-        let at = Configuration { time: 0.0, particles: model.particles(), positions };
+        let at =
+            Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
         for force in model.forces() {
             force.eval_particle_strains(at, strains);
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use muslin::observe::{Frame, FrameRecord, Recorder, StepCounts};
 use muslin::write::{FrameSource, MotionSource, POINT_BYTES, read_points, write_points};
-use muslin::{Model, Points, State};
+use muslin::{Model, Points, State, StepMemory};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
@@ -34,6 +34,7 @@ pub(crate) struct Checkpoint {
     pub(crate) frame_index: u64,
     time: f64,
     last_step: f64,
+    step_memory: StepMemory,
     steps: StepCounts,
     max_strains: [Option<f64>; 3],
     frames: Vec<FrameRecord>,
@@ -124,6 +125,7 @@ impl FrameStore {
             frame_index: frame.index,
             time: frame.state.time,
             last_step: frame.state.last_step,
+            step_memory: frame.state.step_memory,
             steps: *recorder.steps(),
             max_strains: recorder.max_strains(),
             frames: recorder.frames().to_vec(),
@@ -199,7 +201,7 @@ impl Checkpoint {
     /// The state at the checkpoint, whose positions are those of its frame in `store`.
     pub(crate) fn state(&self, store: &mut FrameStore) -> Result<State, CliError> {
         let mut state = State::at_rest(Points::zeros(store.particle_count));
-        (state.time, state.last_step) = (self.time, self.last_step);
+        (state.time, state.last_step, state.step_memory) = (self.time, self.last_step, self.step_memory);
         let path = store.folder.join(half_step_file(self.frame_index));
         let mut read = || {
             store.read_positions(self.frame_index as usize, &mut state.positions)?;

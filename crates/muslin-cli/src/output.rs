@@ -2,7 +2,8 @@
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::iter;
+use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
@@ -23,6 +24,12 @@ pub(crate) const SUMMARY: &str = "summary.json";
 const FILES: [&str; 7] =
     ["scene.toml", "trajectory.npz", "series.csv", "cloth.glb", "poster.png", "view.html", SUMMARY];
 
+/// Whether a run writes a file of this name itself, on a file system that knows no capital letters too.
+pub(crate) fn is_run_file(name: &str) -> bool {
+    let first = name.split('/').next().unwrap_or(name);
+    FILES.iter().any(|file| file.eq_ignore_ascii_case(first))
+}
+
 /// How to treat what is in the folder already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Existing {
@@ -36,14 +43,21 @@ pub(crate) enum Existing {
 pub(crate) struct OutputFolder {
     path: PathBuf,
     hashes: Map<String, Value>,
+    /// Data files of an earlier run, with their hashes.
+    replaced: Vec<(String, String)>,
     /// Locked until this process ends, so that no other works on the same run.
     lock: Option<File>,
 }
 
 impl OutputFolder {
-    /// The folder at `path`, made if need be, for a new run of the scene file `scene`.
-    pub(crate) fn create(path: &Path, existing: Existing, scene: &Path) -> Result<Self, CliError> {
-        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), lock: None };
+    /// The folder at `path`, made if need be, for a new run of the scene file `scene` with data files called `data` beside it.
+    pub(crate) fn create<'d>(
+        path: &Path,
+        existing: Existing,
+        scene: &Path,
+        data: impl Iterator<Item = &'d str>,
+    ) -> Result<Self, CliError> {
+        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), replaced: Vec::new(), lock: None };
         if path.exists() && !path.is_dir() {
             return Err(CliError::input(
                 format_args!("{} is a file, but must be a folder or not exist", path.display()),
@@ -58,13 +72,19 @@ impl OutputFolder {
                 "go on with it by `--resume`, start again with `--force`, or choose another folder with `--out DIR`",
             ));
         }
-        if folder.would_overwrite(scene) {
-            return Err(CliError::input(
-                format_args!("{} would be overwritten by the files of its run", scene.display()),
-                "choose another folder with `--out DIR`",
-            ));
+        let scene_folder = scene.parent().unwrap_or(Path::new(""));
+        let data: Vec<&str> = data.collect();
+        let sources = data.iter().map(|name| scene_folder.join(name));
+        for source in iter::once(scene.to_owned()).chain(sources) {
+            if folder.would_overwrite(&source, &data) {
+                return Err(CliError::input(
+                    format_args!("{} would be overwritten by the files of its run", source.display()),
+                    "choose another folder with `--out DIR`",
+                ));
+            }
         }
         folder.require_replaceable(existing)?;
+        folder.replaced = folder.recorded_data();
         let make = || {
             if folder.partial().exists() {
                 fs::remove_dir_all(folder.partial())?;
@@ -83,7 +103,7 @@ impl OutputFolder {
 
     /// The folder at `path` with the checkpoint of its unfinished run.
     pub(crate) fn resume(path: &Path, scene_hash: &str) -> Result<(Self, Checkpoint), CliError> {
-        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), lock: None };
+        let mut folder = Self { path: path.to_owned(), hashes: Map::new(), replaced: Vec::new(), lock: None };
         folder.lock()?;
         let Some(checkpoint) = Checkpoint::read(&folder.partial())? else {
             return Err(if path.join(SUMMARY).exists() {
@@ -111,8 +131,8 @@ impl OutputFolder {
         }
         if checkpoint.scene_hash != scene_hash {
             return Err(CliError::input(
-                format_args!("the unfinished run in {} is of another scene", path.display()),
-                "give the same scene file and the same `--set` again, or start again with `--force`",
+                format_args!("the unfinished run in {} is of another scene or other data", path.display()),
+                "give the same scene file, data files and `--set` again, or start again with `--force`",
             ));
         }
         Ok((folder, checkpoint))
@@ -133,12 +153,35 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Whether the file at `scene` is one that a run in this folder replaces or removes.
-    fn would_overwrite(&self, scene: &Path) -> bool {
-        let Ok(scene) = scene.canonicalize() else { return false };
-        let is_scene = |path: PathBuf| path.canonicalize().is_ok_and(|path| path == scene);
-        let is_in_partial = self.partial().canonicalize().is_ok_and(|partial| scene.starts_with(partial));
-        is_in_partial || FILES.iter().any(|name| is_scene(self.path.join(name)))
+    /// Whether the file at `source` is one that a run with the data files `data` in this folder replaces or removes.
+    fn would_overwrite(&self, source: &Path, data: &[&str]) -> bool {
+        let Ok(source) = source.canonicalize() else { return false };
+        let is_source = |path: PathBuf| path.canonicalize().is_ok_and(|path| path == source);
+        let is_in_partial = self.partial().canonicalize().is_ok_and(|partial| source.starts_with(partial));
+        is_in_partial || FILES.iter().chain(data).any(|name| is_source(self.path.join(name)))
+    }
+
+    /// Names and hashes of the data files that the summary in the folder records, if there is one.
+    fn recorded_data(&self) -> Vec<(String, String)> {
+        let summary = fs::read(self.path.join(SUMMARY)).unwrap_or_default();
+        let summary: Value = serde_json::from_slice(&summary).unwrap_or_default();
+        let files = summary["files"].as_object().into_iter().flatten();
+        let files = files.filter_map(|(name, hash)| Some((name.clone(), hash.as_str()?.to_owned())));
+        files.filter(|(name, _)| !is_run_file(name)).collect()
+    }
+
+    /// Removes the data files of the run that was replaced, if this one has none of their names. What was changed since
+    /// is not the run's, and stays.
+    pub(crate) fn remove_replaced_data(&self) -> Result<(), CliError> {
+        for (name, hash) in &self.replaced {
+            let path = self.path.join(name);
+            let is_inside = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+            let is_the_runs = is_inside && file_hash(&path).is_ok_and(|found| found == *hash);
+            if is_the_runs && !self.hashes.contains_key(name) {
+                fs::remove_file(&path).map_err(|error| CliError::write(&path, &error))?;
+            }
+        }
+        Ok(())
     }
 
     /// Refuses a folder with files, unless they are those of an earlier run and may be replaced.
@@ -204,8 +247,12 @@ impl OutputFolder {
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), CliError> {
         let unfinished = self.partial().join(name);
-        write_whole(&unfinished, write)?;
         let path = self.path.join(name);
+        // A data file may be in a folder.
+        for folder in [unfinished.parent(), path.parent()].into_iter().flatten() {
+            fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
+        }
+        write_whole(&unfinished, write)?;
         let finish = || {
             let hash = file_hash(&unfinished)?;
             fs::rename(&unfinished, &path)?;
@@ -250,9 +297,22 @@ pub(crate) fn file_hash(path: &Path) -> io::Result<String> {
     Ok(hex(&hasher.finalize()))
 }
 
-/// SHA-256 of `text`, 64 hexadecimal digits.
-pub(crate) fn text_hash(text: &str) -> String {
-    hex(&Sha256::digest(text))
+/// SHA-256 of `bytes`, 64 hexadecimal digits.
+pub(crate) fn bytes_hash(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+/// What identifies the inputs of a run: SHA-256 of the scene's `text`; with data files, whose names and hashes are `data`,
+/// that of the lines which `sha256sum scene.toml DATA...` prints, data files in the order of their names.
+pub(crate) fn inputs_hash<N: AsRef<str>>(text: &str, data: impl IntoIterator<Item = (N, String)>) -> String {
+    let scene = bytes_hash(text.as_bytes());
+    let mut lines: Vec<String> =
+        data.into_iter().map(|(name, hash)| format!("{hash}  {}\n", name.as_ref())).collect();
+    if lines.is_empty() {
+        return scene;
+    }
+    lines.insert(0, format!("{scene}  scene.toml\n"));
+    bytes_hash(lines.concat().as_bytes())
 }
 
 /// Takes bytes into a hash.

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use muslin::force::Family;
 use muslin::integrate::{Workers, guaranteed_stable_step, largest_stable_step};
 use muslin::observe::{ExpectOutcome, relative_residual};
-use muslin::scene::ExpectedQuantity;
+use muslin::scene::{ExpectedQuantity, StepRule};
 use muslin::suggested_step;
 
 use crate::error::CliError;
@@ -104,6 +104,10 @@ fn advice(run: &Run<'_>) -> String {
     let model = run.simulation.model();
     let start = model.initial_state(run.scene);
     let step = run.simulation.frame().state.last_step;
+    if let StepRule::Adaptive { tolerance } = run.scene.run().step {
+        let way_out = if tolerance.is_some() { "raise the tolerance, or " } else { "" };
+        return format!("{way_out}check the quantities of the scene");
+    }
     let largest = largest_stable_step(model, &start, &Workers::single());
     if step <= guaranteed_stable_step(model, &start).max(largest) {
         return "take a smaller step: this one is stable in the initial shape, but springs that stiffen need less; or check \

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use muslin::integrate::{Integrator, StepError, Workers};
 use muslin::observe::Recorder;
+use muslin::scene::DataFile;
 use muslin::{Model, Scene, Simulation, SimulationError};
 
 use crate::args::RunArguments;
@@ -16,7 +17,7 @@ use crate::error::CliError;
 use crate::file_progress::FileProgress;
 use crate::files::write_files;
 use crate::frame_store::FrameStore;
-use crate::output::{Existing, OutputFolder, text_hash};
+use crate::output::{Existing, OutputFolder};
 use crate::progress::Progress;
 use crate::report::report;
 use crate::scene_file::SceneFile;
@@ -35,7 +36,7 @@ const PARTICLES_PER_THREAD: usize = 16_384;
 /// Runs a scene, writes its folder and says what came out.
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
     let file = SceneFile::read(&arguments.scene, &arguments.assignments)?;
-    let scene_hash = text_hash(&file.text);
+    let scene_hash = file.hash();
     let path = arguments.out.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let time = SteppingTime::default();
     let integrator = timed_integrator(&file.scene, arguments.threads, &time)?;
@@ -44,7 +45,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {
         Run::resume(&file.scene, &path, &scene_hash, integrator, time)?
     } else {
         let existing = if arguments.force { Existing::Replace } else { Existing::Keep };
-        let output = || OutputFolder::create(&path, existing, &arguments.scene);
+        let data = file.scene.data_files().iter().map(DataFile::name);
+        let output = || OutputFolder::create(&path, existing, &arguments.scene, data);
         Run::start(&file.scene, output, scene_hash, integrator, time)?
     };
     let ending = run.go_on(&interrupted)?;
@@ -235,7 +237,16 @@ pub(crate) fn unstable(error: &SimulationError) -> CliError {
 
 /// What a failed step means to a person: where, when, and what to do.
 pub(crate) fn failure(model: &Model, error: &StepError) -> String {
-    let StepError::NotFinite { particle, time } = *error else { return error.to_string() };
+    let (particle, time) = match *error {
+        StepError::NotFinite { particle, time } => (particle, time),
+        StepError::TooShort { time, shortest } => {
+            return format!(
+                "at {time:.6} s the adaptive step would have to be shorter than {shortest:.3e} s: the motion is no \
+                 longer finite there, or no step is short enough for the stiffness or the tolerance"
+            );
+        }
+        _ => return error.to_string(),
+    };
     let cell = |(name, grid): (&str, muslin::model::Grid)| {
         grid.cell(particle).map(|(column, row)| format!(" (column {column}, row {row} of cloth `{name}`)"))
     };

@@ -5,10 +5,11 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use muslin::Scene;
-use muslin::scene::{MAX_SCENE_BYTES, set_value};
+use muslin::scene::{DataFile, MAX_DATA_BYTES, MAX_SCENE_BYTES, set_value};
 
-use crate::error::CliError;
+use crate::error::{CliError, reason};
 use crate::memory::require_memory;
+use crate::output::{bytes_hash, inputs_hash, is_run_file};
 
 /// A scene and the text that it was read from, after the changes of the command line.
 pub(crate) struct SceneFile {
@@ -31,10 +32,55 @@ impl SceneFile {
         if !assignments.is_empty() {
             name.push_str(" (with --set)");
         }
-        let scene = Scene::parse(&text).map_err(|error| CliError::BadInput(error.render(&name, &text)))?;
+        let scene = parse(path, &name, &text)?;
+        for file in scene.data_files() {
+            require_other_name(file)?;
+        }
         require_memory(&scene)?;
         Ok(Self { scene, text, is_changed: !assignments.is_empty() })
     }
+
+    /// What the run depends on beside the version of muslin: see [`inputs_hash`].
+    pub(crate) fn hash(&self) -> String {
+        let files = self.scene.data_files().iter();
+        inputs_hash(&self.text, files.map(|file| (file.name(), bytes_hash(file.bytes()))))
+    }
+}
+
+/// The scene of `text`, which the file at `path` holds and errors call `name`, with the files beside it that it names.
+pub(crate) fn parse(path: &Path, name: &str, text: &str) -> Result<Scene, CliError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut load = |file: &str| read_data(&folder.join(file));
+    Scene::parse_with(text, &mut load).map_err(|error| CliError::BadInput(error.render(name, text)))
+}
+
+/// The bytes of the file at `path`, or why there are none, as [`Scene::parse_with`] asks for them.
+fn read_data(path: &Path) -> Result<Vec<u8>, String> {
+    let read = || -> io::Result<Option<Vec<u8>>> {
+        // Not opened first: opening a pipe may wait for ever.
+        if !fs::metadata(path)?.is_file() {
+            return Ok(None);
+        }
+        let mut bytes = Vec::new();
+        fs::File::open(path)?.take(MAX_DATA_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+        Ok(Some(bytes))
+    };
+    match read() {
+        Ok(Some(bytes)) => Ok(bytes),
+        Ok(None) => Err(format!("{} is not a file", path.display())),
+        Err(error) => Err(format!("{} could not be read: {}", path.display(), reason(&error))),
+    }
+}
+
+/// Refuses a data file whose copy in the output folder would take the place of another file there.
+fn require_other_name(file: &DataFile) -> Result<(), CliError> {
+    if !is_run_file(file.name()) {
+        return Ok(());
+    }
+    Err(CliError::input(
+        format_args!("the data file {} has the name of a file that a run writes itself", file.name()),
+        "give it another name, as it is copied into the output folder",
+    ))
 }
 
 /// The text of the file at `path`, if it is one and of a scene's size.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use muslin::integrate::{Integrator, StepError, Workers};
-use muslin::{Model, Points, State};
+use muslin::{Model, Motion, Points, State};
 
 /// Time spent in steps, shared with the integrator that measures it.
 #[derive(Clone, Default)]
@@ -30,16 +30,44 @@ impl TimedIntegrator {
     }
 }
 
-impl Integrator for TimedIntegrator {
-    fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
+impl TimedIntegrator {
+    fn timed<T>(&mut self, work: impl FnOnce(&mut dyn Integrator) -> T) -> T {
         let start = Instant::now();
-        let result = self.inner.step(model, state, step);
+        let result = work(&mut *self.inner);
         self.time.0.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         result
     }
+}
 
-    fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
-        self.inner.eval_velocities(model, state, velocities);
+impl Integrator for TimedIntegrator {
+    fn eval_forces(&mut self, model: &Model, state: &State) {
+        self.timed(|inner| inner.eval_forces(model, state));
+    }
+
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        self.timed(|inner| inner.eval_forces_and_stable_step(model, state))
+    }
+
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.timed(|inner| inner.move_by(model, state, step, time))
+    }
+
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError> {
+        self.timed(|inner| inner.move_and_measure(model, state, step, time))
+    }
+
+    fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {
+        self.timed(|inner| inner.eval_error(model, before, after))
+    }
+
+    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points) {
+        self.inner.velocities(model, state, velocities);
     }
 
     fn workers(&self) -> &Workers {

@@ -12,10 +12,11 @@ use serde_json::{Map, Value};
 
 use crate::args::VerifyArguments;
 use crate::error::CliError;
-use crate::output::{SUMMARY, file_hash, require_ended, text_hash};
+use crate::output::{SUMMARY, file_hash, inputs_hash, is_run_file, require_ended};
 use crate::print_text;
 use crate::progress::Progress;
 use crate::run::{failure, timed_integrator, unstable};
+use crate::scene_file::parse;
 use crate::summary::{Ending, Summary, outcomes};
 use crate::timing::SteppingTime;
 
@@ -56,13 +57,13 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<(), CliError> {
     if recorded.frame_hashes.last() != Some(&recorded.final_state_hash) {
         faults.push("summary.json: `final_state_hash` is not the last of `frame_hashes`".to_owned());
     }
-    if text_hash(&text) == recorded.scene_hash {
-        let scene = Scene::parse(&text).map_err(|error| {
-            CliError::BadInput(error.render(&dir.join("scene.toml").display().to_string(), &text))
-        })?;
-        faults.extend(rerun_fault(&scene, &recorded, arguments)?);
-    } else {
-        faults.push("scene.toml is not the scene of this run, so that it was not run again".to_owned());
+    match recorded.input_fault(dir, &text) {
+        Some(fault) => faults.push(fault),
+        None => {
+            let path = dir.join("scene.toml");
+            let scene = parse(&path, &path.display().to_string(), &text)?;
+            faults.extend(rerun_fault(&scene, &recorded, arguments)?);
+        }
     }
     if faults.is_empty() {
         let frames = recorded.frame_hashes.len();
@@ -130,6 +131,21 @@ impl Recorded {
         let more = if more == 0 { String::new() } else { format!(" and {more} more") };
         let (keys, note) = (keys.join(", "), self.version_note());
         Some(format!("summary.json: not what was computed again: {keys}{more}{note}"))
+    }
+
+    /// Which input in `dir`, whose scene is `text`, is not that of this run.
+    fn input_fault(&self, dir: &Path, text: &str) -> Option<String> {
+        let data = self.files.iter().filter(|(name, _)| !is_run_file(name));
+        let hashes: Vec<(&str, String)> =
+            data.map(|(name, _)| (name.as_str(), file_hash(&dir.join(name)).unwrap_or_default())).collect();
+        if inputs_hash(text, hashes) == self.scene_hash {
+            return None;
+        }
+        let mut data = self.files.iter().filter(|(name, _)| !is_run_file(name));
+        let changed = data.find(|(name, hash)| !file_hash(&dir.join(name)).is_ok_and(|found| found == *hash));
+        let name = changed.map_or("scene.toml", |(name, _)| name.as_str());
+        let what = if name == "scene.toml" { "the scene" } else { "the data" };
+        Some(format!("{name} is not {what} of this run, so that it was not run again"))
     }
 
     /// Files that are gone or whose bytes have changed.

@@ -49,6 +49,7 @@
 //! | [`scene`] | from text to a checked [`Scene`]; errors at line and column |
 //! | [`model`] | what is constant: particles, grids, forces, and the surface to draw |
 //! | [`force`](mod@force) | the trait [`Force`](force::Force), springs and their laws, gravity, wind |
+//! | [`limit`] | corrections of springs that are too long |
 //! | [`integrate`] | the trait [`Integrator`], central differences, the largest stable step, threads |
 //! | [`observe`] | the trait [`Observer`], energies, strains, hashes, expectations |
 //! | [`write`](mod@write) | formats, each to an `impl Write` |
@@ -66,6 +67,7 @@
 
 pub mod force;
 pub mod integrate;
+pub mod limit;
 pub mod model;
 pub mod observe;
 mod points;
@@ -77,9 +79,9 @@ pub mod write;
 pub use glam;
 pub use model::Model;
 pub use points::{Points, PointsMut};
-pub use run::{Simulation, SimulationError, suggested_step};
+pub use run::{Simulation, SimulationError, initial_step, suggested_step};
 pub use scene::Scene;
-pub use state::State;
+pub use state::{LimitWork, Motion, State, StepMemory};
 
 /// The program in the README compiles.
 #[cfg(doctest)]

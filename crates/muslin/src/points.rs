@@ -153,3 +153,15 @@ impl<'a> PointsMut<'a> {
         self.z[index] += vector.z;
     }
 }
+
+/// Sum of `term(index, value)` over `values`, in eight partial sums so that it can use vector registers; the order is
+/// the same on every machine.
+pub(crate) fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
+    let mut lanes = [0.0; 8];
+    for (chunk_index, chunk) in values.chunks(8).enumerate() {
+        for (lane, (offset, &value)) in lanes.iter_mut().zip(chunk.iter().enumerate()) {
+            *lane += term(8 * chunk_index + offset, value);
+        }
+    }
+    lanes.iter().sum()
+}

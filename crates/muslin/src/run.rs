@@ -1,10 +1,11 @@
 //! The run of a scene: its schedule of frames, and the steps between them.
 
 use crate::integrate::{
-    CentralDifference, Integrator, StepError, Workers, guaranteed_stable_step, largest_stable_step,
+    AdaptiveStep, CentralDifference, Integrator, StepError, Workers, guaranteed_stable_step,
+    largest_stable_step,
 };
 use crate::observe::{Frame, Observer};
-use crate::scene::{Method, RunSettings, StepRule};
+use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
 use crate::{Model, Points, Scene, State};
 
 /// Share of the largest stable step that is suggested when a scene asks for more.
@@ -36,16 +37,32 @@ pub enum SimulationError {
 
 /// A scene in motion.
 ///
-/// Time is counted, not summed: frame `n` is at `n / frame_rate`, and step `k` of `N` after it at
-/// `(n + k / N) / frame_rate`.
+/// Time is counted, not summed: frame `n` is at `n / frame_rate`, and the constant step `k` of `N` after it at
+/// `(n + k / N) / frame_rate`. Adaptive steps are summed within a frame; the last one ends at the frame's own time.
 pub struct Simulation {
     model: Model,
     state: State,
     velocities: Points,
     integrator: Box<dyn Integrator>,
     settings: RunSettings,
+    steps: Steps,
     frame_index: u64,
     failure: Option<StepError>,
+}
+
+/// How the steps of a run are chosen.
+enum Steps {
+    Constant {
+        step: f64,
+        per_frame: u64,
+    },
+    Adaptive {
+        rule: AdaptiveStep,
+        /// A guaranteed stable step [s] at the current state.
+        stable: f64,
+        /// The state before a step that may be taken back; empty if none is.
+        before: Box<State>,
+    },
 }
 
 impl Simulation {
@@ -65,10 +82,20 @@ impl Simulation {
         let model = Model::new(scene);
         let mut state = model.initial_state(scene);
         let settings = scene.run().clone();
-        if !settings.allow_unstable {
-            check_step(&settings, &model, &state, integrator.workers())?;
-        }
-        CentralDifference::start(settings.start, &mut state, constant_step(&settings));
+        let first_step = match settings.step {
+            StepRule::Constant { .. } => {
+                if !settings.allow_unstable {
+                    check_step(&settings, &model, &state, integrator.workers())?;
+                }
+                constant_step(&settings)
+            }
+            StepRule::Adaptive { tolerance } => {
+                let stable = guaranteed_stable_step(&model, &state);
+                let rule = adaptive_step(&settings, &model, tolerance);
+                AdaptiveStep::fit(rule.ideal_step(&state.step_memory, stable), rule.frame_interval).0
+            }
+        };
+        CentralDifference::start(settings.start, &mut state, first_step);
         Ok(Self::at_frame(model, state, integrator, settings, 0))
     }
 
@@ -114,8 +141,19 @@ impl Simulation {
         frame_index: u64,
     ) -> Self {
         let mut velocities = Points::zeros(state.positions.len());
-        integrator.eval_velocities(&model, &state, &mut velocities);
-        Self { model, state, velocities, integrator, settings, frame_index, failure: None }
+        let steps = match settings.step {
+            StepRule::Constant { steps_per_frame } => {
+                integrator.eval_forces(&model, &state);
+                Steps::Constant { step: constant_step(&settings), per_frame: steps_per_frame }
+            }
+            StepRule::Adaptive { tolerance } => {
+                let stable = integrator.eval_forces_and_stable_step(&model, &state);
+                let rule = adaptive_step(&settings, &model, tolerance);
+                Steps::Adaptive { rule, stable, before: Box::new(State::at_rest(Points::default())) }
+            }
+        };
+        integrator.velocities(&model, &state, &mut velocities);
+        Self { model, state, velocities, integrator, settings, steps, frame_index, failure: None }
     }
 
     /// What is constant.
@@ -163,18 +201,21 @@ impl Simulation {
     }
 
     fn step_to_next_frame(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), StepError> {
-        let StepRule::Constant { steps_per_frame } = self.settings.step;
-        let step = constant_step(&self.settings);
-        for count in 1..=steps_per_frame {
-            let result = self.integrator.step(&self.model, &mut self.state, step);
-            let passed = self.frame_index as f64 + count as f64 / steps_per_frame as f64;
-            self.state.time = passed / self.settings.frame_rate;
-            result?;
-            for observer in observers.iter_mut() {
-                observer.step(&self.model, &self.state);
+        let end = (self.frame_index + 1) as f64 / self.settings.frame_rate;
+        match &mut self.steps {
+            Steps::Constant { step, per_frame } => {
+                let (step, per_frame) = (*step, *per_frame);
+                for count in 1..=per_frame {
+                    let passed = self.frame_index as f64 + count as f64 / per_frame as f64;
+                    let time = passed / self.settings.frame_rate;
+                    self.integrator.move_by(&self.model, &mut self.state, step, time)?;
+                    self.integrator.eval_forces(&self.model, &self.state);
+                    show_step(observers, &self.model, &self.state);
+                }
             }
+            Steps::Adaptive { .. } => while !self.adaptive_step(end, observers)? {},
         }
-        self.integrator.eval_velocities(&self.model, &self.state, &mut self.velocities);
+        self.integrator.velocities(&self.model, &self.state, &mut self.velocities);
         // Forces overflow earlier than positions do; a frame must not show it.
         if let Some(particle) = self.velocities.iter().position(|velocity| !velocity.is_finite()) {
             return Err(StepError::NotFinite { particle, time: self.state.time });
@@ -183,12 +224,104 @@ impl Simulation {
         self.observe(observers);
         Ok(())
     }
+
+    /// Takes one adaptive step towards the time `end` [s] of a frame; whether it arrived.
+    fn adaptive_step(&mut self, end: f64, observers: &mut [&mut dyn Observer]) -> Result<bool, StepError> {
+        let Self { model, state, integrator, steps, .. } = self;
+        let Steps::Adaptive { rule, stable, before } = steps else { return Ok(true) };
+        let may_be_refused = !rule.is_stiffness_constant || rule.tolerance.is_some();
+        if may_be_refused {
+            before.copy_from(state);
+        }
+        let (start, last_step) = (state.time, state.last_step);
+        let mut ideal_step = rule.ideal_step(&state.step_memory, *stable);
+        loop {
+            let (step, is_last) = AdaptiveStep::fit(ideal_step, end - start);
+            // Written so that what is not a number stops the run.
+            if !(rule.shortest <= step && (is_last || start < start + step)) {
+                return Err(StepError::TooShort { time: start, shortest: rule.shortest });
+            }
+            let time = if is_last { end } else { start + step };
+            let motion = match integrator.move_and_measure(model, state, step, time) {
+                Ok(motion) => Some(motion),
+                Err(_) if may_be_refused => None,
+                Err(error) => return Err(error),
+            };
+            let stable_after = if rule.is_stiffness_constant {
+                integrator.eval_forces(model, state);
+                *stable
+            } else {
+                integrator.eval_forces_and_stable_step(model, state)
+            };
+            let is_tolerated = rule.tolerance.is_none() || {
+                let error = integrator.eval_error(model, before, state);
+                rule.tolerates(&mut state.step_memory, error, step)
+            };
+            if let Some(motion) = motion
+                && rule.accepts(step, *stable, stable_after)
+                && is_tolerated
+            {
+                rule.remember(&mut state.step_memory, ideal_step, motion, last_step, *stable);
+                *stable = stable_after;
+                show_step(observers, model, state);
+                return Ok(is_last);
+            }
+            let tolerated_step = state.step_memory.tolerated_step;
+            state.copy_from(before);
+            integrator.eval_forces(model, state);
+            ideal_step = if is_tolerated { 0.5 * step } else { tolerated_step.min(0.5 * step) };
+            for observer in observers.iter_mut() {
+                observer.refused_step(model, state);
+            }
+        }
+    }
 }
 
-/// The constant step [s] of `settings`.
+fn show_step(observers: &mut [&mut dyn Observer], model: &Model, state: &State) {
+    for observer in observers {
+        observer.step(model, state);
+    }
+}
+
+/// The rule for the adaptive steps of a run.
+fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) -> AdaptiveStep {
+    let frame_interval = 1.0 / settings.frame_rate;
+    let forces = model.forces();
+    let particles = model.particles();
+    // Above m / k_d drag would turn a velocity around within half a step.
+    let constants = particles.masses().iter().zip(particles.drags());
+    let by_drag = constants.map(|(mass, drag)| mass / drag).fold(f64::INFINITY, f64::min);
+    let by_forces = forces.iter().map(|force| force.longest_step()).fold(f64::INFINITY, f64::min);
+    AdaptiveStep {
+        frame_interval,
+        longest: by_drag.min(by_forces).min(model.moving_pins().longest_step()),
+        shortest: frame_interval / MAX_STEPS_PER_FRAME as f64,
+        is_stiffness_constant: forces.iter().all(|force| force.has_constant_bounds()),
+        tolerance,
+    }
+}
+
+/// The constant step [s] of `settings`; the frame interval if it is adaptive.
 fn constant_step(settings: &RunSettings) -> f64 {
-    let StepRule::Constant { steps_per_frame } = settings.step;
+    let steps_per_frame = match settings.step {
+        StepRule::Constant { steps_per_frame } => steps_per_frame,
+        StepRule::Adaptive { .. } => 1,
+    };
     1.0 / (settings.frame_rate * steps_per_frame as f64)
+}
+
+/// The step [s] of a run of `scene`: the constant one, or the adaptive one of the initial `state` when the cloth's energy is
+/// in slow motion.
+#[must_use]
+pub fn initial_step(scene: &Scene, model: &Model, state: &State) -> f64 {
+    let settings = scene.run();
+    match settings.step {
+        StepRule::Constant { .. } => constant_step(settings),
+        StepRule::Adaptive { tolerance } => {
+            let rule = adaptive_step(settings, model, tolerance);
+            AdaptiveStep::fit(rule.largest_step(guaranteed_stable_step(model, state)), rule.frame_interval).0
+        }
+    }
 }
 
 /// Checks that the constant step is stable where the cloth starts.

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 /// Which module may use which, from the bottom up; in brackets, if not all of it.
 ///
-/// Scene, model, force, integrate and observe are the data flow. A model builds its forces, and forces know what they act
+/// Scene, model, force, integrate and observe are the data flow. A model builds its forces and limits, and these know what they act
 /// on: of the model its grids and particles, nothing else. Nothing knows the run but the commands, and what writes files
 /// knows neither methods nor forces.
-const MAY_USE: [(&str, &[&str]); 9] = [
+const MAY_USE: [(&str, &[&str]); 10] = [
     ("points", &[]),
     ("scene", &[]),
     ("state", &["points"]),
     ("force", &["points", "scene", "model::Grid", "model::Particles"]),
-    ("model", &["points", "scene", "state", "force"]),
+    ("limit", &["points", "scene", "model::Grid", "model::Particles"]),
+    ("model", &["points", "scene", "state", "force", "limit"]),
     ("integrate", &["points", "scene", "state", "force", "model"]),
     ("observe", &["points", "scene", "state", "force", "model"]),
     ("write", &["points", "model", "observe", "force::Family"]),
@@ -21,7 +22,7 @@ const MAY_USE: [(&str, &[&str]); 9] = [
 ];
 
 /// What decides the bits of a run.
-const STEPPING: [&str; 7] = ["points", "state", "force", "model", "integrate", "observe", "run"];
+const STEPPING: [&str; 8] = ["points", "state", "force", "limit", "model", "integrate", "observe", "run"];
 
 /// A library that opens no files, reads no clock or environment and prints nothing.
 const NOT_IN_THE_LIBRARY: [&str; 8] =

@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::random_scene::random_law_scene;
-use common::{Random, SceneNumbers, finish, max_distance, model_and_state};
+use common::random_scene::{random_law_scene, random_limit_scene};
+use common::{AirNumbers, CURVE, Random, SceneNumbers, finish, max_distance, model_and_state};
 use glam::{DQuat, DVec3};
 use muslin::force::{Configuration, PotentialEnergies};
 use muslin::integrate::{
@@ -28,7 +28,7 @@ fn last_positions(numbers: &SceneNumbers) -> Points {
 
 /// A tenth of a second of any scene.
 fn short_scene() -> impl Strategy<Value = SceneNumbers> {
-    random_law_scene().prop_map(|numbers| SceneNumbers { frame_intervals: 2, ..numbers })
+    random_limit_scene().prop_map(|numbers| SceneNumbers { frame_intervals: 2, ..numbers })
 }
 
 fn mapped(points: &Points, map: impl Fn(DVec3) -> DVec3) -> Points {
@@ -47,10 +47,17 @@ fn with_vectors(
     let mut changed = numbers.clone();
     apply(&mut changed.gravity, &vector);
     changed.winds.iter_mut().for_each(|wind| apply(&mut wind.direction, &vector));
+    for air in &mut changed.airs {
+        apply(&mut air.velocity, &vector);
+        apply(&mut air.gust.direction, &vector);
+    }
     for cloth in &mut changed.cloths {
         apply(&mut cloth.width_axis, &vector);
         apply(&mut cloth.height_axis, &vector);
         apply(&mut cloth.origin, &place);
+        if let Some(motion) = &mut cloth.motion {
+            apply(&mut motion.axis, &vector);
+        }
     }
     changed
 }
@@ -93,8 +100,11 @@ proptest! {
         prop_assert_eq!(mirrored, mapped(&last_positions(&numbers), mirror));
     }
 
+    /// Not with a limit, which corrects along columns first and from there along rows.
     #[test]
     fn columns_and_rows_can_be_swapped(numbers in short_scene()) {
+        let mut numbers = numbers;
+        numbers.cloths[0].limit = None;
         let mut swapped = numbers.clone();
         let cloth = &mut swapped.cloths[0];
         std::mem::swap(&mut cloth.columns, &mut cloth.rows);
@@ -137,9 +147,20 @@ proptest! {
             wind.amplitude *= mass * length / (time * time);
             wind.angular_frequency /= time;
         }
+        for AirNumbers { velocity, gust, density, .. } in &mut other.airs {
+            *velocity = velocity.map(|velocity| velocity * length / time);
+            gust.amplitude *= length / time;
+            gust.angular_frequency /= time;
+            gust.noise = [gust.noise[0] * length / time, gust.noise[1] * time];
+            *density *= mass / (length * length * length);
+        }
         for cloth in &mut other.cloths {
             cloth.width *= length;
             cloth.height *= length;
+            if let Some(motion) = &mut cloth.motion {
+                motion.amplitude *= length;
+                motion.frequency /= time;
+            }
             cloth.mass *= mass;
             cloth.drag *= mass / time;
             cloth.stiffnesses = cloth.stiffnesses.map(|stiffness| stiffness * mass / (time * time));
@@ -159,17 +180,25 @@ fn crumpled(numbers: &SceneNumbers) -> (Model, State, f64) {
     (model, state, size)
 }
 
-fn at<'a>(model: &'a Model, positions: &'a Points) -> Configuration<'a> {
-    Configuration { time: 0.3, particles: model.particles(), positions }
+fn at<'a>(model: &'a Model, positions: &'a Points, velocities: &'a Points) -> Configuration<'a> {
+    Configuration { time: 0.3, particles: model.particles(), positions, velocities }
+}
+
+/// Forces [N] on all particles at rest.
+fn forces(model: &Model, positions: &Points) -> Points {
+    forces_in_motion(model, positions, &Points::zeros(positions.len()))
 }
 
 /// Forces [N] on all particles.
-fn forces(model: &Model, positions: &Points) -> Points {
+fn forces_in_motion(model: &Model, positions: &Points, velocities: &Points) -> Points {
     let mut forces = Points::zeros(positions.len());
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
-        model.forces().iter().for_each(|force| force.add_forces(at(model, positions), block, &mut own));
+        model
+            .forces()
+            .iter()
+            .for_each(|force| force.add_forces(at(model, positions, velocities), block, &mut own));
         rest = others;
     }
     forces
@@ -177,12 +206,12 @@ fn forces(model: &Model, positions: &Points) -> Points {
 
 /// K u [N] for all particles.
 fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -> Points {
-    let mut products = Points::zeros(positions.len());
+    let (mut products, none) = (Points::zeros(positions.len()), Points::default());
     let mut rest = products.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
         for force in model.forces() {
-            force.add_tangent_products(at(model, positions), displacements, block, &mut own);
+            force.add_tangent_products(at(model, positions, &none), displacements, block, &mut own);
         }
         rest = others;
     }
@@ -191,8 +220,8 @@ fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -
 
 /// Potential energy [J] of everything.
 fn energy(model: &Model, positions: &Points) -> f64 {
-    let mut energies = PotentialEnergies::default();
-    model.forces().iter().for_each(|force| force.add_energies(at(model, positions), &mut energies));
+    let (mut energies, none) = (PotentialEnergies::default(), Points::default());
+    model.forces().iter().for_each(|force| force.add_energies(at(model, positions, &none), &mut energies));
     energies.elastic.iter().sum::<f64>() + energies.gravitational
 }
 
@@ -213,7 +242,7 @@ proptest! {
     /// k ℓ for δ = 1e-5 ℓ, and by the rounding of the energy, ε E / δ; the energy of 64 particles is below 64 k ℓ² + m g x.
     #[test]
     fn forces_are_the_gradient_of_the_energy(numbers in random_law_scene()) {
-        let numbers = SceneNumbers { winds: Vec::new(), ..numbers };
+        let numbers = SceneNumbers { winds: Vec::new(), airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let forces = forces(&model, &state.positions);
         let delta = 1e-5 * size;
@@ -235,9 +264,13 @@ proptest! {
         }
     }
 
-    /// K u = −dF(x + s u)/ds, by central differences with the errors above.
+    /// K u = −dF(x + s u)/ds, by central differences with the errors above. A tabulated law bends at its points: its
+    /// second derivative jumps there by up to 20 k, and a difference across is wrong by a quarter of that times the change of
+    /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
+        // Air has no tangent: it is not stiff, and its derivative is not symmetric.
+        let numbers = SceneNumbers { airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let direction = Random::new(8).points(state.positions.len(), 1.0);
         let products = tangent_products(&model, &state.positions, &direction);
@@ -248,7 +281,8 @@ proptest! {
         let (behind, ahead) = (forces(&model, &moved(-delta)), forces(&model, &moved(delta)));
         let differences = behind.iter().zip(ahead.iter()).map(|(b, a)| (b - a) / (2.0 * delta)).collect();
         let error = max_distance(&products, &differences) / stiffness(&numbers);
-        prop_assert!(error < 1e-8, "{error:e} of the stiffness");
+        let tolerance = if numbers.cloths[0].laws.contains(&CURVE) { 5e-5 } else { 1e-8 };
+        prop_assert!(error < tolerance, "{error:e} of the stiffness");
     }
 
     /// u · K v = v · K u to the rounding of sums of 64 particles.
@@ -265,7 +299,7 @@ proptest! {
     /// Without gravity and wind nothing but springs acts: neither a net force nor a net moment.
     #[test]
     fn springs_exert_no_net_force(numbers in random_law_scene()) {
-        let numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), ..numbers };
+        let numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let forces = forces(&model, &state.positions);
         let sum: DVec3 = forces.iter().sum();
@@ -301,7 +335,7 @@ proptest! {
     /// With no pins, drag, gravity or wind, linear momentum stays: a few roundings of its terms per step.
     #[test]
     fn momentum_stays(numbers in random_law_scene()) {
-        let mut numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), ..numbers };
+        let mut numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), airs: Vec::new(), ..numbers };
         numbers.cloths[0].pins.clear();
         numbers.cloths[0].drag = 0.0;
         let (model, mut state, _) = crumpled(&numbers);

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, Method,
-    NoiseSettings, PinSettings, Scene, SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+    AirSettings, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings,
+    GustSettings, LimitSettings, Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene,
+    SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -24,20 +25,33 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(
         scene.environment().winds,
         [
-            WindSettings::ParticleForce {
+            WindSettings::ParticleForce(GustSettings {
                 amplitude: 0.002,
                 angular_frequency: 6.0,
                 phase: -0.5,
                 direction: DVec3::Z,
                 noise: Some(NoiseSettings { deviation: 0.0005, time: 0.05 }),
-            },
-            WindSettings::ParticleForce {
+            }),
+            WindSettings::Aerodynamic(AirSettings {
+                velocity: DVec3::new(3.0, 0.0, -4.0),
+                gust: Some(GustSettings {
+                    amplitude: 0.5,
+                    angular_frequency: 2.0,
+                    phase: 0.25,
+                    direction: DVec3::Y,
+                    noise: Some(NoiseSettings { deviation: 0.4, time: 0.3 }),
+                }),
+                air_density: 1.2,
+                normal_coefficient: 1.5,
+                tangential_coefficient: 0.05,
+            }),
+            WindSettings::ParticleForce(GustSettings {
                 amplitude: 1.0,
                 angular_frequency: 0.0,
                 phase: 1.5,
                 direction: DVec3::new(0.6, 0.0, -0.8),
                 noise: None,
-            },
+            }),
         ]
     );
 
@@ -46,12 +60,16 @@ fn every_value_of_a_complete_scene_is_read() {
     let Fabric::Springs(paper) = &scene.fabrics()["paper"];
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
-    assert_eq!([paper.structural, paper.shear, paper.bend], [60.0, 20.0, 0.0].map(springs));
+    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
+    let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
+    assert_eq!(paper.limit, Some(cut_off));
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
-    assert_eq!([stiff.structural, stiff.shear, stiff.bend], [600.0, 200.0, 20.0].map(springs));
+    assert_eq!(stiff.limit, Some(LimitSettings::ArctangentProjection));
+    assert_eq!([&stiff.structural, &stiff.shear, &stiff.bend], [600.0, 200.0, 20.0].map(springs).each_ref());
 
+    let held = |place| PinSettings { place, motion: None };
     let [sheet, thread] = scene.cloths() else { panic!("two cloths") };
     assert_eq!((sheet.name.as_str(), sheet.fabric.as_str()), ("sheet", "paper"));
     assert_eq!(sheet.grid, GridSettings { columns: 10, rows: 20, width: 1.0, height: 2.5 });
@@ -60,17 +78,19 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(
         sheet.pins,
         [
-            PinSettings::Particle { column: 0, row: 0 },
-            PinSettings::Particle { column: 9, row: 0 },
-            PinSettings::Row(19),
-            PinSettings::Column(0),
+            held(PinPlace::Particle { column: 0, row: 0 }),
+            held(PinPlace::Particle { column: 9, row: 0 }),
+            held(PinPlace::Row(19)),
+            held(PinPlace::Column(0)),
         ]
     );
     assert_eq!((thread.name.as_str(), thread.fabric.as_str()), ("糸", "stiff paper"));
     assert_eq!(thread.grid, GridSettings { columns: 1, rows: 5, width: 0.0, height: 0.4 });
     assert_eq!(thread.place.width_axis, DVec3::new(1.0, 1.0, 0.0) / 2.0_f64.sqrt());
     assert_eq!(thread.place.height_axis, DVec3::NEG_Z);
-    assert_eq!(thread.pins, [PinSettings::Row(0), PinSettings::Row(4)]);
+    let motion = PinMotionSettings::Sine { axis: DVec3::Z, amplitude: 0.1, frequency: 3.0, phase: 0.5 };
+    let moving = PinSettings { place: PinPlace::Row(4), motion: Some(motion) };
+    assert_eq!(thread.pins, [held(PinPlace::Row(0)), moving]);
 
     let expectation = |quantity, range| Expectation { quantity, range };
     assert_eq!(
@@ -79,6 +99,21 @@ fn every_value_of_a_complete_scene_is_read() {
             expectation(ExpectedQuantity::LowestPoint, ExpectedRange::Between(-0.02, 0.01)),
             expectation(ExpectedQuantity::MaxStrain, ExpectedRange::Below(0.0943)),
             expectation(ExpectedQuantity::EnergyResidual, ExpectedRange::Above(0.0)),
+        ]
+    );
+}
+
+#[test]
+fn a_scene_warns_of_what_its_reader_must_know() {
+    let scene = Scene::parse(COMPLETE).expect("a good scene");
+    assert_eq!(
+        scene.warnings(),
+        [
+            "the cloth `糸` has one row or column and so no faces, on which alone an aerodynamic wind acts",
+            "`fabric.paper.limit` shortens springs that are too long after each step, so where it acts the motion \
+             depends on the step",
+            "`fabric.\"stiff paper\".limit` shortens every stretched spring after each step, so the motion depends \
+             strongly on the step: the smaller it is, the stiffer the cloth",
         ]
     );
 }
@@ -95,7 +130,33 @@ fn a_short_scene_has_the_stated_defaults() {
     assert_eq!((run.start, run.seed, run.allow_unstable), (Start::Consistent, 0, false));
     assert!(scene.environment().winds.is_empty() && scene.expectations().is_empty());
     let Fabric::Springs(fabric) = &scene.fabrics()["f"];
-    assert_eq!(fabric.force_direction, ForceDirection::CurrentLength);
+    assert_eq!((fabric.force_direction, fabric.limit), (ForceDirection::CurrentLength, None));
     assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
     assert!(scene.cloths()[0].pins.is_empty());
+}
+
+/// An aerodynamic wind has sine and noise along its mean velocity unless it says otherwise; and needs neither.
+#[test]
+fn a_steady_wind_and_the_direction_of_a_gust() {
+    let gust = |keys: &str| {
+        let wind = format!(
+            "wind = [{{ law = 'aerodynamic', air_density = 1.2, normal_coefficient = 1.5, tangential_coefficient = 0, {keys} }}]"
+        );
+        let gravity = "gravity = [0, 0, 0]";
+        let text = include_str!("scenes/short.toml").replace(gravity, &format!("{gravity}, {wind}"));
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render("wind", &text)));
+        let [WindSettings::Aerodynamic(air)] = scene.environment().winds[..] else { panic!("one wind") };
+        air.gust
+    };
+    let sine = "amplitude = 1, angular_frequency = 2, phase = 0";
+    assert_eq!(gust("velocity = [0, 0, 0]"), None);
+    assert_eq!(gust("velocity = [0, 3, 4], noise = 0, noise_time = 0"), None);
+    assert_eq!(gust("velocity = [0, 3, 4], direction = [1, 0, 0]"), None);
+    let direction = |keys: &str| gust(keys).map(|gust| gust.direction);
+    assert_eq!(direction(&format!("velocity = [0, 3, 4], {sine}")), Some(DVec3::new(0.0, 0.6, 0.8)));
+    assert_eq!(
+        direction(&format!("velocity = [0, 0, 0], {sine}, direction = [0, 0, -2]")),
+        Some(DVec3::NEG_Z)
+    );
+    assert_eq!(direction("velocity = [5, 0, 0], noise = 0.1, noise_time = 1"), Some(DVec3::X));
 }

@@ -152,7 +152,7 @@ fn a_folder_without_checkpoint_can_be_used() {
 }
 
 /// Leaves an unfinished run of [`SMALL`] in `out`: its first frame, on a disk with room for no more.
-fn leave_unfinished(work: &Work) {
+pub(crate) fn leave_unfinished(work: &Work) {
     let script = "trap '' XFSZ; ulimit -f 2; exec \"$@\"";
     let outcome = Outcome::of(&mut work.shell(script, ["run", "scene.toml", "--out", "out"]));
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
@@ -165,8 +165,8 @@ fn another_scene_or_version_does_not_go_on() {
     leave_unfinished(&work);
     work.muslin("run scene.toml --out out --resume --set run.seed=1").assert_failure(
         2,
-        "error: the unfinished run in out is of another scene\n  help: give the same scene file and the same `--set` \
-         again, or start again with `--force`",
+        "error: the unfinished run in out is of another scene or other data\n  help: give the same scene file, data files \
+         and `--set` again, or start again with `--force`",
     );
     let checkpoint = work.text("out/.partial/checkpoint.json");
     let version = env!("CARGO_PKG_VERSION");

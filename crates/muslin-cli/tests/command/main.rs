@@ -2,6 +2,7 @@
 
 mod bad_output;
 mod bad_scene;
+mod data_files;
 mod interruptions;
 mod other_commands;
 mod runs;

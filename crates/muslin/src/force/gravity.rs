@@ -38,4 +38,8 @@ impl Force for Gravity {
             energies.gravitational -= mass * self.acceleration.dot(position);
         }
     }
+
+    fn has_constant_bounds(&self) -> bool {
+        true
+    }
 }

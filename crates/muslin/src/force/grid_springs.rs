@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::law::{SpringLaw, TensionLaw};
+use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::spring::Spring;
 use super::{Configuration, Family, Force, PotentialEnergies, StrainSums};
 use crate::model::Grid;
@@ -50,13 +50,13 @@ impl GridSprings {
     #[must_use]
     pub fn new(grid: Grid, fabric: &SpringsFabric) -> Self {
         let families = [
-            (Family::Structural, fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
-            (Family::Shear, fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
-            (Family::Bend, fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
+            (Family::Structural, &fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
+            (Family::Shear, &fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
+            (Family::Bend, &fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
         ];
         let families = families
             .into_iter()
-            .filter(|(_, settings, _)| settings.stiffness > 0.0)
+            .filter(|(_, settings, _)| settings.has_springs())
             .map(|(family, settings, places)| GridFamily {
                 family,
                 law: SpringLaw::new(settings),
@@ -74,6 +74,27 @@ impl GridSprings {
                 for neighbour in family.neighbours.iter().filter(|neighbour| neighbour.is_ahead()) {
                     if let Some(pair) = neighbour.row_pair(&self.grid, row) {
                         visit(family, pair, neighbour.rest_length);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with law and springs for every row of particles of `block` and each of their neighbours.
+    fn for_each_row(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        mut visit: impl FnMut(&SpringLaw, SpringRow<'_>),
+    ) {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        for family in &self.families {
+            for row in rows.clone() {
+                for neighbour in &family.neighbours {
+                    if let Some(pair) = &neighbour.row_pair(&self.grid, row) {
+                        let (rest_length, direction) = (neighbour.rest_length, family.direction);
+                        let (law, offset) = (&family.law, block.start);
+                        visit(law, SpringRow { at, pair, offset, rest_length, direction });
                     }
                 }
             }
@@ -103,8 +124,8 @@ impl GridSprings {
 
 impl GridFamily {
     /// A spring of `rest_length` [m].
-    fn spring(&self, rest_length: f64) -> Spring<SpringLaw> {
-        Spring { law: self.law, rest_length, direction: self.direction }
+    fn spring(&self, rest_length: f64) -> Spring<&SpringLaw> {
+        Spring { law: &self.law, rest_length, direction: self.direction }
     }
 }
 
@@ -131,31 +152,116 @@ impl Neighbour {
     }
 }
 
-/// Adds the forces of springs from `own` to `other` particles; `offset` is the first particle of `forces`.
-fn add_row_forces<L: TensionLaw>(
-    spring: &Spring<L>,
-    positions: &Points,
-    pair: &RowPair,
+/// One row of springs from `own` to `other` particles; `offset` is the first particle of the arrays that are added to.
+#[derive(Clone, Copy)]
+struct SpringRow<'a> {
+    at: Configuration<'a>,
+    pair: &'a RowPair,
     offset: usize,
-    forces: &mut PointsMut<'_>,
-) {
-    let count = pair.own.len();
-    let target = pair.own.start - offset..pair.own.end - offset;
-    let [x, y, z] =
-        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.own.clone()][..count]);
-    let [other_x, other_y, other_z] =
-        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.other.clone()][..count]);
-    let force_x = &mut forces.x[target.clone()][..count];
-    let force_y = &mut forces.y[target.clone()][..count];
-    let force_z = &mut forces.z[target][..count];
-    for i in 0..count {
-        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-        let length = (dx * dx + dy * dy + dz * dz).sqrt();
-        let coefficient = spring.coefficient(length);
-        force_x[i] += coefficient * dx;
-        force_y[i] += coefficient * dy;
-        force_z[i] += coefficient * dz;
+    rest_length: f64,
+    direction: ForceDirection,
+}
+
+impl SpringRow<'_> {
+    fn spring<L: TensionLaw>(&self, law: L) -> Spring<L> {
+        Spring { law, rest_length: self.rest_length, direction: self.direction }
     }
+
+    /// Where the springs' own particles are in the arrays that are added to.
+    fn target(&self) -> Range<usize> {
+        self.pair.own.start - self.offset..self.pair.own.end - self.offset
+    }
+
+    /// Positions of the particles `range`, coordinate by coordinate.
+    #[inline(always)]
+    fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
+        let Points { x, y, z } = self.at.positions;
+        [x, y, z].map(|values| &values[range.clone()])
+    }
+}
+
+/// Adds the forces of a row of springs.
+struct AddForces<'a, 'b> {
+    row: SpringRow<'a>,
+    forces: &'a mut PointsMut<'b>,
+}
+
+impl LawVisitor for AddForces<'_, '_> {
+    fn visit<L: TensionLaw>(self, law: L) {
+        let Self { row, forces } = self;
+        let spring = row.spring(law);
+        let (count, target) = (row.pair.own.len(), row.target());
+        let [x, y, z] = row.positions(&row.pair.own).map(|values| &values[..count]);
+        let [other_x, other_y, other_z] = row.positions(&row.pair.other).map(|values| &values[..count]);
+        let force_x = &mut forces.x[target.clone()][..count];
+        let force_y = &mut forces.y[target.clone()][..count];
+        let force_z = &mut forces.z[target][..count];
+        for i in 0..count {
+            let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
+            let length = (dx * dx + dy * dy + dz * dz).sqrt();
+            let coefficient = spring.coefficient(length);
+            force_x[i] += coefficient * dx;
+            force_y[i] += coefficient * dy;
+            force_z[i] += coefficient * dz;
+        }
+    }
+}
+
+/// Adds the stiffness bounds of a row of springs.
+struct AddBounds<'a> {
+    row: SpringRow<'a>,
+    bounds: &'a mut [f64],
+}
+
+impl LawVisitor for AddBounds<'_> {
+    fn visit<L: TensionLaw>(self, law: L) {
+        let Self { row, bounds } = self;
+        let spring = row.spring(law);
+        let pinned = row.at.particles.pinned();
+        let ends = row.pair.own.clone().zip(row.pair.other.clone());
+        for (bound, (own, other)) in bounds[row.target()].iter_mut().zip(ends) {
+            let length = row.at.positions.get(own).distance(row.at.positions.get(other));
+            let (_, stiffness) = spring.coefficient_and_stiffness(length);
+            *bound += columns(pinned[other]) * stiffness;
+        }
+    }
+}
+
+/// Adds both in one loop.
+struct AddForcesAndBounds<'a, 'b> {
+    row: SpringRow<'a>,
+    forces: &'a mut PointsMut<'b>,
+    bounds: &'a mut [f64],
+}
+
+impl LawVisitor for AddForcesAndBounds<'_, '_> {
+    fn visit<L: TensionLaw>(self, law: L) {
+        let Self { row, forces, bounds } = self;
+        let spring = row.spring(law);
+        let (count, target) = (row.pair.own.len(), row.target());
+        let [x, y, z] = row.positions(&row.pair.own).map(|values| &values[..count]);
+        let [other_x, other_y, other_z] = row.positions(&row.pair.other).map(|values| &values[..count]);
+        let pinned = &row.at.particles.pinned()[row.pair.other.clone()][..count];
+        let force_x = &mut forces.x[target.clone()][..count];
+        let force_y = &mut forces.y[target.clone()][..count];
+        let force_z = &mut forces.z[target.clone()][..count];
+        let bounds = &mut bounds[target][..count];
+        for i in 0..count {
+            let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
+            let length = (dx * dx + dy * dy + dz * dz).sqrt();
+            let (coefficient, stiffness) = spring.coefficient_and_stiffness(length);
+            force_x[i] += coefficient * dx;
+            force_y[i] += coefficient * dy;
+            force_z[i] += coefficient * dz;
+            bounds[i] += columns(pinned[i]) * stiffness;
+        }
+    }
+}
+
+/// How many columns of a particle's row of the tangent a spring fills: its own, and its neighbour's unless that is pinned.
+#[inline(always)]
+fn columns(is_neighbour_pinned: bool) -> f64 {
+    if is_neighbour_pinned { 1.0 } else { 2.0 }
 }
 
 /// The largest squared length [m²] of the springs between `own` and `other` particles.
@@ -182,27 +288,28 @@ fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
 
 impl Force for GridSprings {
     fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
-        let Some(rows) = self.grid.block_rows(block) else { return };
-        for family in &self.families {
-            for row in rows.clone() {
-                for neighbour in &family.neighbours {
-                    let Some(pair) = neighbour.row_pair(&self.grid, row) else { continue };
-                    let spring = family.spring(neighbour.rest_length);
-                    let (positions, offset) = (at.positions, block.start);
-                    match family.law {
-                        SpringLaw::Linear(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
-                        }
-                        SpringLaw::Tangent(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
-                        }
-                        SpringLaw::Arctangent(law) => {
-                            add_row_forces(&spring.with_law(law), positions, &pair, offset, forces);
-                        }
-                    }
-                }
-            }
-        }
+        self.for_each_row(at, block, |law, row| law.visit(AddForces { row, forces }));
+    }
+
+    fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        self.for_each_row(at, block, |law, row| law.visit(AddBounds { row, bounds }));
+    }
+
+    fn add_forces_and_bounds(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        bounds: &mut [f64],
+    ) {
+        self.for_each_row(at, block, |law, row| law.visit(AddForcesAndBounds { row, forces, bounds }));
+    }
+
+    /// Along its current length a linear spring is k stiff, and across it k (1 − L / ℓ), which is less.
+    fn has_constant_bounds(&self) -> bool {
+        let is_constant =
+            |family: &GridFamily| family.law.is_linear() && family.direction == ForceDirection::CurrentLength;
+        self.families.iter().all(is_constant)
     }
 
     fn add_tangent_products(
@@ -217,18 +324,6 @@ impl Force for GridSprings {
             let displacement = displacements.get(own) - displacements.get(other);
             let product = family.spring(rest_length).tangent_product(vector, displacement);
             products.add(own - block.start, product);
-        });
-    }
-
-    fn add_tangent_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
-        let pinned = at.particles.pinned();
-        self.for_each_neighbour(block, |family, own, other, rest_length| {
-            let length = at.positions.get(own).distance(at.positions.get(other));
-            let spring = family.spring(rest_length);
-            let (along, across) = (spring.axial_tangent(length), spring.coefficient(length));
-            // The spring adds K to the particle's own column and −K to its neighbour's, which a pin removes.
-            let columns = if pinned[other] { 1.0 } else { 2.0 };
-            bounds[own - block.start] += columns * along.abs().max(across.abs());
         });
     }
 

@@ -92,6 +92,16 @@ impl Noise {
         Self::Correlated { values, interval }
     }
 
+    /// The longest step [s] that sees the noise change: four of the intervals between its values. White noise has a new
+    /// value at each step, however long.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        match self {
+            Self::White { .. } => f64::INFINITY,
+            Self::Correlated { interval, .. } => 4.0 * interval,
+        }
+    }
+
     /// Value at `time` [s], which must not be negative; after the duration the last value.
     #[must_use]
     pub fn value(&self, time: f64) -> f64 {

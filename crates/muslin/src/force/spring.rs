@@ -60,6 +60,26 @@ impl<L: TensionLaw> Spring<L> {
         }
     }
 
+    /// Coefficient c [N/m] of the force at `length` ℓ [m], and the largest stiffness [N/m] in any direction, zero if all
+    /// are negative: `max(k_a, c, 0)` with the axial tangent k_a.
+    #[inline(always)]
+    #[must_use]
+    pub fn coefficient_and_stiffness(&self, length: f64) -> (f64, f64) {
+        let (tension, tangent) = self.law.tension_and_tangent(length - self.rest_length, self.rest_length);
+        let (coefficient, axial) = match self.direction {
+            ForceDirection::CurrentLength => {
+                let quotient = tension / length;
+                (if length > 0.0 { quotient } else { 0.0 }, tangent)
+            }
+            ForceDirection::RestLength => {
+                (tension / self.rest_length, (tangent * length + tension) / self.rest_length)
+            }
+        };
+        // Comparisons in place of `max`, which would pass over what is not a number.
+        let larger = if axial < coefficient { coefficient } else { axial };
+        (coefficient, if larger < 0.0 { 0.0 } else { larger })
+    }
+
     /// Force [N] on the end that `vector` d [m] starts from.
     #[must_use]
     pub fn force(&self, vector: DVec3) -> DVec3 {
@@ -99,20 +119,27 @@ impl<L: TensionLaw> Spring<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::law::{ArctangentLaw, LinearLaw, SpringLaw, TangentLaw};
+    use super::super::law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw};
     use super::*;
+    use crate::scene::TensionCurve;
 
     const DIRECTIONS: [ForceDirection; 2] = [ForceDirection::CurrentLength, ForceDirection::RestLength];
     const REST_LENGTH: f64 = 0.8;
 
     /// Every law; a new one belongs here.
-    fn laws() -> [SpringLaw; 4] {
+    fn laws() -> [SpringLaw; 6] {
         [
             SpringLaw::Linear(LinearLaw { stiffness: 250.0 }),
             SpringLaw::Tangent(TangentLaw::new(250.0, 0.06)),
             SpringLaw::Tangent(TangentLaw::new(250.0, 0.6)),
             SpringLaw::Arctangent(ArctangentLaw { stiffness: 250.0 }),
+            curve(&[[0.01, 1.0], [0.03, 6.0], [0.07, 18.0], [0.08, 18.0], [0.2, 60.0]]),
+            curve(&[[-0.5, -40.0], [-0.1, -20.0], [0.0, 0.0], [0.05, 9.0], [0.1, 40.0]]),
         ]
+    }
+
+    fn curve(points: &[[f64; 2]]) -> SpringLaw {
+        SpringLaw::Curve(CurveLaw::new(&TensionCurve::new(points).expect("a curve")))
     }
 
     /// Springs of every law and direction, with vectors from far compressed to beyond the cap of the tangent law.
@@ -123,8 +150,8 @@ mod tests {
         let mut cases = Vec::new();
         for law in laws() {
             for direction in DIRECTIONS {
-                let spring = Spring { law, rest_length: REST_LENGTH, direction };
-                cases.extend(vectors.map(|vector| (spring, vector)));
+                let spring = Spring { law: law.clone(), rest_length: REST_LENGTH, direction };
+                cases.extend(vectors.map(|vector| (spring.clone(), vector)));
             }
         }
         cases
@@ -175,7 +202,7 @@ mod tests {
             assert_eq!(spring.force(DVec3::ZERO), DVec3::ZERO);
         }
         let spring =
-            Spring { law: laws()[0], rest_length: REST_LENGTH, direction: ForceDirection::CurrentLength };
+            Spring { law: &laws()[0], rest_length: REST_LENGTH, direction: ForceDirection::CurrentLength };
         assert_eq!(spring.tangent_product(DVec3::ZERO, DVec3::X), DVec3::ZERO);
     }
 
@@ -184,7 +211,7 @@ mod tests {
     fn as_printed_force_is_larger_by_the_stretch() {
         for law in laws() {
             let [current, printed] = DIRECTIONS.map(|direction| {
-                Spring { law, rest_length: REST_LENGTH, direction }.force(DVec3::X * 0.88).x
+                Spring { law: &law, rest_length: REST_LENGTH, direction }.force(DVec3::X * 0.88).x
             });
             assert!((printed / current - 1.1).abs() < 4e-15, "{law:?}: {printed} to {current}");
         }

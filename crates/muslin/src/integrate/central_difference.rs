@@ -2,11 +2,15 @@
 
 use std::ops::Range;
 
+use super::limits::Limiter;
+use super::pins::place_pins;
+use super::stability::{larger, largest_damping_rate, largest_frequency_squared, stable_step};
 use super::{Integrator, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
+use crate::points::sum_in_lanes;
 use crate::scene::Start;
-use crate::{Model, Points, PointsMut, State};
+use crate::{Model, Motion, Points, PointsMut, State};
 
 /// Explicit central differences in half-step velocities, for steps of any size in any order.
 ///
@@ -22,6 +26,11 @@ use crate::{Model, Points, PointsMut, State};
 /// (B + C) S⁺ = 2B S − (B − C) S⁻ + F with B = m/h², C = k_d/2h. It is of second order in the step, and stable as long
 /// as ω h < 2 for the fastest mode ω, whatever the drag; but above k_d h = 2m velocities change sign from step to step.
 ///
+/// # Forces that depend on velocities
+/// They need v at S, which in turn needs them. A first v comes from the forces with v⁻ in place of v; forces with that v are
+/// then those of the step. They are wrong by O(h²), as the first v is, so the method stays of second order. Only models
+/// with such forces pay for it. With damping −c v it is stable for c h ≤ 2m, like the midpoint rule.
+///
 /// # Start
 /// h⁻ = 0 with v⁻ the initial velocity is the consistent start, S₁ = S₀ + h v₀ + h²/2m (F₀ − k_d v₀). The paper's
 /// equation (6), S₋₁ = S₀, is h⁻ = h with v⁻ = 0: the first displacement comes out twice as large as it should, and the
@@ -33,13 +42,28 @@ use crate::{Model, Points, PointsMut, State};
 pub struct CentralDifference {
     workers: Workers,
     forces: Points,
+    /// Of the evaluation before, once errors are asked for.
+    earlier_forces: Option<Points>,
+    stiffness_bounds: Vec<f64>,
+    limiter: Limiter,
+    /// Velocities [m/s] at the state's time, for forces that depend on them.
+    velocities: Points,
+    damping_bounds: Vec<f64>,
 }
 
 impl CentralDifference {
     /// The method for any model, on `workers`.
     #[must_use]
     pub fn new(workers: Workers) -> Self {
-        Self { workers, forces: Points::default() }
+        Self {
+            workers,
+            forces: Points::default(),
+            earlier_forces: None,
+            stiffness_bounds: Vec::new(),
+            limiter: Limiter::default(),
+            velocities: Points::default(),
+            damping_bounds: Vec::new(),
+        }
     }
 
     /// Prepares a `state` at its initial time, positions and velocities for a first step of `step` [s].
@@ -53,22 +77,135 @@ impl CentralDifference {
         }
     }
 
-    /// Overwrites the forces [N] with those at the state's time and positions.
-    fn eval_forces(&mut self, model: &Model, state: &State) {
-        if self.forces.len() != state.positions.len() {
-            self.forces = Points::zeros(state.positions.len());
+    /// Makes room for the forces on `count` particles, and keeps those of the evaluation before if errors are asked for.
+    fn next_forces(&mut self, count: usize) {
+        if let Some(earlier) = &mut self.earlier_forces {
+            std::mem::swap(earlier, &mut self.forces);
         }
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
-        let add_block = |block: &Range<usize>, [mut forces]: [PointsMut<'_>; 1]| {
-            forces.fill(0.0);
-            for force in model.forces() {
-                force.add_forces(at, block, &mut forces);
-            }
-            true
-        };
-        self.workers.all_blocks(model.blocks(), [self.forces.as_mut()], &add_block);
+        if self.forces.len() != count {
+            self.forces = Points::zeros(count);
+        }
     }
+
+    /// Adds the forces [N] that depend on velocities to all others, which are there already; the velocities of `at` are
+    /// half of `last_step` [s] older than its positions.
+    fn add_velocity_forces(&mut self, model: &Model, at: Configuration<'_>, last_step: f64) {
+        if self.velocities.len() != at.positions.len() {
+            self.velocities = Points::zeros(at.positions.len());
+        }
+        let moving = || model.forces().iter().filter(|force| force.depends_on_velocity());
+        let other_forces = &self.forces;
+        let predict_block = |block: &Range<usize>, mut velocities: PointsMut<'_>| {
+            // First the forces, then in their place the velocities.
+            velocities.fill(0.0);
+            moving().for_each(|force| force.add_forces(at, block, &mut velocities));
+            for (values, forces, old) in [
+                (velocities.x, &other_forces.x, &at.velocities.x),
+                (velocities.y, &other_forces.y, &at.velocities.y),
+                (velocities.z, &other_forces.z, &at.velocities.z),
+            ] {
+                for (value, particle) in values.iter_mut().zip(block.clone()) {
+                    let force = forces[particle] + *value;
+                    *value = velocity_at_state(at.particles, particle, old[particle], force, last_step);
+                }
+            }
+        };
+        self.workers.for_blocks(model.blocks(), self.velocities.as_mut(), &predict_block, &|(), ()| ());
+        model.moving_pins().eval_velocities(at.time, &mut self.velocities);
+        let at = Configuration { velocities: &self.velocities, ..at };
+        let add_block = |block: &Range<usize>, mut forces: PointsMut<'_>| {
+            moving().for_each(|force| force.add_forces(at, block, &mut forces));
+        };
+        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &add_block, &|(), ()| ());
+    }
+
+    /// The largest of damping bound / mass [1/s] after [`add_velocity_forces`](Self::add_velocity_forces).
+    fn largest_damping_rate(&mut self, model: &Model, state: &State) -> f64 {
+        self.damping_bounds.resize(state.positions.len(), 0.0);
+        let at = Configuration { velocities: &self.velocities, ..configuration(model, state) };
+        let eval_block =
+            |block: &Range<usize>, bounds: &mut [f64]| largest_damping_rate(model, at, block, bounds);
+        let bounds = self.damping_bounds.as_mut_slice();
+        self.workers.for_blocks(model.blocks(), bounds, &eval_block, &larger).unwrap_or(0.0)
+    }
+
+    fn move_all(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+        is_measured: bool,
+    ) -> Result<Motion, StepError> {
+        let steps = Steps { last: state.last_step, next: step };
+        let (particles, forces) = (model.particles(), &self.forces);
+        let move_block = |block: &Range<usize>, arrays: (PointsMut<'_>, PointsMut<'_>)| {
+            move_block(particles, steps, block, arrays, forces, is_measured)
+        };
+        let arrays = (state.positions.as_mut(), state.velocities.as_mut());
+        let moved = self.workers.for_blocks(model.blocks(), arrays, &move_block, &Moved::add);
+        state.time = time;
+        state.last_step = step;
+        place_pins(model, time, step, state);
+        self.limiter.apply(model, &self.forces, step, state);
+        match moved {
+            Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
+            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+        }
+    }
+}
+
+/// `state` as forces see it, with velocities half a step old.
+fn configuration<'a>(model: &'a Model, state: &'a State) -> Configuration<'a> {
+    Configuration {
+        time: state.time,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+    }
+}
+
+/// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
+/// the `force` [N] at the state's time; a pin keeps its own.
+fn velocity_at_state(
+    particles: &Particles,
+    particle: usize,
+    velocity: f64,
+    force: f64,
+    last_step: f64,
+) -> f64 {
+    if particles.pinned()[particle] {
+        return velocity;
+    }
+    let twice_mass = 2.0 * particles.masses()[particle];
+    (twice_mass * velocity + last_step * force) / (twice_mass + particles.drags()[particle] * last_step)
+}
+
+/// Overwrites `forces` [N] of a block with those that do not depend on velocities.
+fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut forces: PointsMut<'_>) {
+    forces.fill(0.0);
+    for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
+        force.add_forces(at, block, &mut forces);
+    }
+}
+
+/// The same, and the stiffness `bounds` [N/m] of all forces; the largest of bound / mass [1/s²].
+fn eval_block_and_bounds(
+    model: &Model,
+    at: Configuration<'_>,
+    block: &Range<usize>,
+    (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
+) -> f64 {
+    forces.fill(0.0);
+    bounds.fill(0.0);
+    for force in model.forces() {
+        if force.depends_on_velocity() {
+            force.add_stiffness_bounds(at, block, bounds);
+        } else {
+            force.add_forces_and_bounds(at, block, &mut forces, bounds);
+        }
+    }
+    largest_frequency_squared(model.particles(), block, bounds)
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -109,66 +246,147 @@ impl Factors {
     }
 }
 
-/// Moves the particles of `block`, whose forces [N] are `forces` of all; whether all positions stay finite.
+/// What came of moving some particles.
+#[derive(Clone, Copy)]
+struct Moved {
+    /// Whether all positions stay finite.
+    is_finite: bool,
+    motion: Motion,
+}
+
+impl Moved {
+    fn add(self, other: Self) -> Self {
+        let (a, b) = (self.motion, other.motion);
+        let motion = Motion {
+            kinetic_energy: a.kinetic_energy + b.kinetic_energy,
+            power_before: a.power_before + b.power_before,
+            power_after: a.power_after + b.power_after,
+        };
+        Self { is_finite: self.is_finite && other.is_finite, motion }
+    }
+}
+
+/// Moves the particles of `block`, whose forces [N] are `forces` of all, and measures their motion if asked to.
 fn move_block(
     particles: &Particles,
     steps: Steps,
     block: &Range<usize>,
-    [positions, velocities]: [PointsMut<'_>; 2],
+    (positions, velocities): (PointsMut<'_>, PointsMut<'_>),
     forces: &Points,
-) -> bool {
+    is_measured: bool,
+) -> Moved {
     let mut factors = Factors::ZERO;
-    let mut finite = true;
+    let mut moved = Moved { is_finite: true, motion: Motion::default() };
     for first in (0..block.len()).step_by(CHUNK) {
         let own = first..block.len().min(first + CHUNK);
         let range = block.start + own.start..block.start + own.end;
         factors.eval(particles, range.clone(), steps);
+        let masses = &particles.masses()[range.clone()];
         for (positions, velocities, forces) in [
             (&mut *positions.x, &mut *velocities.x, &forces.x),
             (&mut *positions.y, &mut *velocities.y, &forces.y),
             (&mut *positions.z, &mut *velocities.z, &forces.z),
         ] {
             let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
-            finite &= move_axis(positions, velocities, &forces[range.clone()], &factors, steps.next);
+            let forces = &forces[range.clone()];
+            if is_measured {
+                moved.motion.power_before += power(forces, velocities, &factors);
+            }
+            moved.is_finite &= move_axis(positions, velocities, forces, &factors, steps.next);
+            if is_measured {
+                moved.motion.power_after += power(forces, velocities, &factors);
+                moved.motion.kinetic_energy +=
+                    sum_in_lanes(masses, |i, mass| 0.5 * mass * velocities[i] * velocities[i]);
+            }
         }
     }
-    finite
+    moved
+}
+
+/// Σ F v [W] of the free particles along one axis.
+fn power(forces: &[f64], velocities: &[f64], factors: &Factors) -> f64 {
+    // The force factor of a pin is zero, and that of any other particle positive.
+    sum_in_lanes(forces, |i, force| if factors.force[i] > 0.0 { force * velocities[i] } else { 0.0 })
 }
 
 impl Integrator for CentralDifference {
-    fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
-        self.eval_forces(model, state);
-        let steps = Steps { last: state.last_step, next: step };
-        let forces = &self.forces;
-        let move_block = |block: &Range<usize>, arrays: [PointsMut<'_>; 2]| {
-            move_block(model.particles(), steps, block, arrays, forces)
-        };
-        let arrays = [state.positions.as_mut(), state.velocities.as_mut()];
-        let finite = self.workers.all_blocks(model.blocks(), arrays, &move_block);
-        state.time += step;
-        state.last_step = step;
-        if finite { Ok(()) } else { Err(not_finite(model.particles(), state)) }
+    fn eval_forces(&mut self, model: &Model, state: &State) {
+        self.next_forces(state.positions.len());
+        let at = configuration(model, state);
+        let eval_block = |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces);
+        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &eval_block, &|(), ()| ());
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, at, state.last_step);
+        }
     }
 
-    fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
-        self.eval_forces(model, state);
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        self.next_forces(state.positions.len());
+        self.stiffness_bounds.resize(state.positions.len(), 0.0);
+        let at = configuration(model, state);
+        let eval_block = |block: &Range<usize>, arrays: (PointsMut<'_>, &mut [f64])| {
+            eval_block_and_bounds(model, at, block, arrays)
+        };
+        let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
+        let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger);
+        let mut damping = 0.0;
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, at, state.last_step);
+            damping = self.largest_damping_rate(model, state);
+        }
+        stable_step(largest.unwrap_or(0.0), damping)
+    }
+
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.move_all(model, state, step, time, false).map(|_| ())
+    }
+
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError> {
+        self.move_all(model, state, step, time, true)
+    }
+
+    fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {
+        if self.earlier_forces.as_ref().is_none_or(|forces| forces.len() != before.positions.len()) {
+            self.eval_forces(model, before);
+            self.earlier_forces = Some(Points::default());
+            self.eval_forces(model, after);
+        }
+        let Some(earlier) = &self.earlier_forces else { return 0.0 };
+        let (particles, step) = (model.particles(), after.last_step);
+        let mut largest = 0.0;
+        for particle in (0..particles.len()).filter(|&particle| !particles.pinned()[particle]) {
+            let force_change = self.forces.get(particle) - earlier.get(particle);
+            let velocity_change = after.velocities.get(particle) - before.velocities.get(particle);
+            let change = force_change - velocity_change * particles.drags()[particle];
+            largest = larger(
+                largest,
+                change.length_squared() / (particles.masses()[particle] * particles.masses()[particle]),
+            );
+        }
+        step * step / 6.0 * largest.sqrt()
+    }
+
+    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points) {
         velocities.clone_from(&state.velocities);
         let forces = &self.forces;
         let particles = model.particles();
-        let half_step_block = |block: &Range<usize>, [velocities]: [PointsMut<'_>; 1]| {
+        let half_step_block = |block: &Range<usize>, velocities: PointsMut<'_>| {
             let axes = [(velocities.x, &forces.x), (velocities.y, &forces.y), (velocities.z, &forces.z)];
             for (velocities, forces) in axes {
                 for (velocity, particle) in velocities.iter_mut().zip(block.clone()) {
-                    if !particles.pinned()[particle] {
-                        let twice_mass = 2.0 * particles.masses()[particle];
-                        let gain = twice_mass * *velocity + state.last_step * forces[particle];
-                        *velocity = gain / (twice_mass + particles.drags()[particle] * state.last_step);
-                    }
+                    let force = forces[particle];
+                    *velocity = velocity_at_state(particles, particle, *velocity, force, state.last_step);
                 }
             }
-            true
         };
-        self.workers.all_blocks(model.blocks(), [velocities.as_mut()], &half_step_block);
+        self.workers.for_blocks(model.blocks(), velocities.as_mut(), &half_step_block, &|(), ()| ());
+        model.moving_pins().eval_velocities(state.time, velocities);
     }
 
     fn workers(&self) -> &Workers {

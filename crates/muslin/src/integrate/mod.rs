@@ -1,32 +1,78 @@
 //! Methods that move a [`State`] forward in time.
 
+mod adaptive_step;
 mod central_difference;
+mod limits;
+mod pins;
 mod stability;
 mod workers;
 
+pub use adaptive_step::AdaptiveStep;
 pub use central_difference::CentralDifference;
 pub use stability::{guaranteed_stable_step, largest_stable_step};
-pub use workers::Workers;
+pub use workers::{SplitArrays, Workers};
 
-use crate::{Model, Points, State};
+use crate::{Model, Motion, Points, State};
 
 /// A method of numerical integration.
 ///
 /// It owns its scratch memory: after the first step, a step allocates nothing.
+///
+/// A step is in two halves, so that whoever chooses its size can look at the forces in between: first the forces at a
+/// state, then the motion under them. The second half, and [`velocities`](Self::velocities), must be called with the state
+/// and model that the forces were evaluated at.
 pub trait Integrator: Send {
-    /// Moves `state` by `step` [s], which must be positive.
+    /// Evaluates the forces at `state`.
+    fn eval_forces(&mut self, model: &Model, state: &State);
+
+    /// [`eval_forces`](Self::eval_forces), and the [`guaranteed_stable_step`] [s] at `state`, with the same bits.
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64;
+
+    /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
+    /// but for rounding.
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is no longer a finite number; `state` then holds it.
-    fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError>;
+    fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError>;
 
-    /// Overwrites `velocities` with the velocities [m/s] at the state's time, one per particle.
+    /// [`move_by`](Self::move_by), with the same bits, and the energies of the motion.
+    ///
+    /// # Errors
+    /// As [`move_by`](Self::move_by).
+    fn move_and_measure(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        step: f64,
+        time: f64,
+    ) -> Result<Motion, StepError>;
+
+    /// Estimates the error [m] that the step from `before` to `after` added to any position, from forces that are evaluated
+    /// at both; those at `after` are left behind.
+    fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64;
+
+    /// Overwrites `velocities` with the velocities [m/s] at the state's time, one per particle, from the forces.
     ///
     /// [`State::velocities`] may belong to an earlier time; these are as accurate as the positions.
-    fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points);
+    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points);
 
     /// The threads that the method works with.
     fn workers(&self) -> &Workers;
+
+    /// A whole step of `step` [s], which must be positive: forces and motion.
+    ///
+    /// # Errors
+    /// As [`move_by`](Self::move_by).
+    fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
+        self.eval_forces(model, state);
+        self.move_by(model, state, step, state.time + step)
+    }
+
+    /// [`velocities`](Self::velocities) after evaluating the forces.
+    fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
+        self.eval_forces(model, state);
+        self.velocities(model, state, velocities);
+    }
 }
 
 /// Why a step failed.
@@ -40,5 +86,13 @@ pub enum StepError {
         particle: usize,
         /// Simulated time [s] at the end of the failed step.
         time: f64,
+    },
+    /// An adaptive step became so short that the run would not end.
+    #[error("the step at {time} s would have to be shorter than {shortest:e} s")]
+    TooShort {
+        /// Simulated time [s] at which the step was to begin.
+        time: f64,
+        /// The shortest step [s] that is tried.
+        shortest: f64,
     },
 }

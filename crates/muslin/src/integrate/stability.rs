@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::Workers;
 use crate::force::Configuration;
+use crate::model::Particles;
 use crate::{Model, Points, PointsMut, State};
 
 /// Lanczos steps at most; the largest eigenvalue of a long chain or a large grid is by then known to about 1e-4.
@@ -20,31 +21,68 @@ const CHECK_INTERVAL: usize = 6;
 /// By Gershgorin's theorem the fastest mode ω satisfies
 ///
 /// ```text
-/// ω² ≤ max_i (1/m_i) Σ_j |K_ij|    and    h = 2 / ω
+/// ω² ≤ max_i bound_i / m_i    and    h = 2 / (ω + 2γ)
 /// ```
 ///
-/// On a grid it is about 0.7 of the [`largest_stable_step`]; it costs about as much as one step.
+/// with the bounds of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds), and the same of
+/// [`Force::add_damping_bounds`](crate::force::Force::add_damping_bounds) for the rate γ of forces on velocity, which are
+/// explicit: alone they allow 2 / γ, of which half is taken. For linear springs along
+/// their current length it is the same in every shape that the cloth can take. On a grid it is about 0.7 of the [`largest_stable_step`]; it costs about as much as one step.
 #[must_use]
 pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
     let particles = model.particles();
-    let at = Configuration { time: state.time, particles, positions: &state.positions };
-    let mut largest = 0.0_f64;
+    let at = Configuration {
+        time: state.time,
+        particles,
+        positions: &state.positions,
+        velocities: &state.velocities,
+    };
+    let (mut largest, mut damping) = (0.0, 0.0);
     let mut bounds = Vec::new();
     for block in model.blocks() {
         bounds.clear();
         bounds.resize(block.len(), 0.0);
         for force in model.forces() {
-            force.add_tangent_bounds(at, block, &mut bounds);
+            force.add_stiffness_bounds(at, block, &mut bounds);
         }
-        for (bound, particle) in bounds.iter().zip(block.clone()) {
-            if !particles.pinned()[particle] {
-                let square = bound / particles.masses()[particle];
-                // `max` would pass over what is not a number.
-                largest = if square.is_nan() { f64::INFINITY } else { largest.max(square) };
-            }
-        }
+        largest = larger(largest, largest_frequency_squared(particles, block, &bounds));
+        damping = larger(damping, largest_damping_rate(model, at, block, &mut bounds));
     }
-    2.0 / largest.sqrt()
+    stable_step(largest, damping)
+}
+
+/// The largest of bound / mass over the free particles of `block`, 1/s² for stiffness; NaN if any is.
+pub(super) fn largest_frequency_squared(particles: &Particles, block: &Range<usize>, bounds: &[f64]) -> f64 {
+    let constants = particles.masses()[block.clone()].iter().zip(&particles.pinned()[block.clone()]);
+    let squares =
+        bounds.iter().zip(constants).map(|(bound, (mass, pinned))| if *pinned { 0.0 } else { bound / mass });
+    squares.fold(0.0, larger)
+}
+
+/// The largest of damping bound / mass [1/s] over the free particles of `block`, whose `bounds` [kg/s] are overwritten; NaN
+/// if any is.
+pub(super) fn largest_damping_rate(
+    model: &Model,
+    at: Configuration<'_>,
+    block: &Range<usize>,
+    bounds: &mut [f64],
+) -> f64 {
+    bounds.fill(0.0);
+    for force in model.forces() {
+        force.add_damping_bounds(at, block, bounds);
+    }
+    largest_frequency_squared(at.particles, block, bounds)
+}
+
+/// The step 2 / (ω + 2γ) [s] for a frequency squared ω² [1/s²] and a damping rate γ [1/s]; 0 if they are not numbers.
+pub(super) fn stable_step(frequency_squared: f64, damping: f64) -> f64 {
+    let rate = frequency_squared.sqrt() + 2.0 * damping;
+    if rate.is_nan() { 0.0 } else { 2.0 / rate }
+}
+
+/// The larger number, and NaN if either is: `f64::max` would pass over it.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
 }
 
 /// The largest stable step h = 2 / ω [s] at the state's time and positions; +∞ if nothing is stiff, 0 if the stiffness is
@@ -53,8 +91,7 @@ pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
 /// ω² is the largest eigenvalue of `M^(−1/2) K M^(−1/2)` over the free particles, by Lanczos iteration from a fixed
 /// start vector: exact to round-off for small models, too large a step by less than 0.1 % for large ones. In shapes that
 /// the cloth takes later the limit may differ. With linear springs along their current length it stays above the
-/// [`guaranteed_stable_step`] of the flat cloth unless a spring is pressed below half of its rest length; as printed,
-/// divided by the rest length, a spring stiffens as it stretches.
+/// [`guaranteed_stable_step`]; as printed, divided by the rest length, a spring stiffens as it stretches.
 #[must_use]
 pub fn largest_stable_step(model: &Model, state: &State, workers: &Workers) -> f64 {
     let mut operator = StiffnessOperator::new(model, state, workers);
@@ -103,7 +140,12 @@ impl<'a> StiffnessOperator<'a> {
         let particles = model.particles();
         let constants = particles.masses().iter().zip(particles.pinned());
         let scales = constants.map(|(mass, pinned)| if *pinned { 0.0 } else { 1.0 / mass.sqrt() }).collect();
-        let at = Configuration { time: state.time, particles, positions: &state.positions };
+        let at = Configuration {
+            time: state.time,
+            particles,
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
         Self { model, at, workers, scales, displacements: Points::zeros(particles.len()) }
     }
 
@@ -132,15 +174,14 @@ impl<'a> StiffnessOperator<'a> {
         self.displacements.clone_from(vector);
         scale_each(self.displacements.as_mut(), &self.scales);
         let (at, displacements, scales, model) = (self.at, &self.displacements, &self.scales, self.model);
-        let apply_block = |block: &Range<usize>, [mut product]: [PointsMut<'_>; 1]| {
+        let apply_block = |block: &Range<usize>, mut product: PointsMut<'_>| {
             product.fill(0.0);
             for force in model.forces() {
                 force.add_tangent_products(at, displacements, block, &mut product);
             }
             scale_each(product, &scales[block.clone()]);
-            true
         };
-        self.workers.all_blocks(model.blocks(), [product.as_mut()], &apply_block);
+        self.workers.for_blocks(model.blocks(), product.as_mut(), &apply_block, &|(), ()| ());
     }
 }
 

@@ -47,56 +47,69 @@ impl Workers {
         }
     }
 
-    /// Calls `work` with every block and what belongs to it of each of `arrays`, in any order; whether all calls gave
-    /// `true`.
+    /// Calls `work` with every block and what belongs to it of `arrays`, in any order, and combines its results by twos in
+    /// an order that depends on the blocks alone; `None` without blocks.
     ///
     /// `blocks` must cover the arrays in ascending order without gaps.
-    pub fn all_blocks<const N: usize>(
+    pub fn for_blocks<A: SplitArrays, R: Send>(
         &self,
         blocks: &[Range<usize>],
-        arrays: [PointsMut<'_>; N],
-        work: &(impl Fn(&Range<usize>, [PointsMut<'_>; N]) -> bool + Sync),
-    ) -> bool {
-        self.install(|| all_blocks(blocks, arrays, self.pool.is_some(), work))
+        arrays: A,
+        work: &(impl Fn(&Range<usize>, A) -> R + Sync),
+        combine: &(impl Fn(R, R) -> R + Sync),
+    ) -> Option<R> {
+        self.install(|| for_blocks(blocks, arrays, self.pool.is_some(), work, combine))
     }
 }
 
-/// [`Workers::all_blocks`] on this thread, or in `parallel` on the pool that it belongs to.
-fn all_blocks<const N: usize>(
+/// Mutable arrays with one entry per particle, which are cut into blocks.
+pub trait SplitArrays: Send + Sized {
+    /// The first `count` entries of each array, and the rest.
+    fn split_arrays(self, count: usize) -> (Self, Self);
+}
+
+impl SplitArrays for PointsMut<'_> {
+    fn split_arrays(self, count: usize) -> (Self, Self) {
+        self.split_at(count)
+    }
+}
+
+impl SplitArrays for &mut [f64] {
+    fn split_arrays(self, count: usize) -> (Self, Self) {
+        self.split_at_mut(count)
+    }
+}
+
+impl<A: SplitArrays, B: SplitArrays> SplitArrays for (A, B) {
+    fn split_arrays(self, count: usize) -> (Self, Self) {
+        let (first_a, rest_a) = self.0.split_arrays(count);
+        let (first_b, rest_b) = self.1.split_arrays(count);
+        ((first_a, first_b), (rest_a, rest_b))
+    }
+}
+
+/// [`Workers::for_blocks`] on this thread, or in `parallel` on the pool that it belongs to.
+fn for_blocks<A: SplitArrays, R: Send>(
     blocks: &[Range<usize>],
-    arrays: [PointsMut<'_>; N],
+    arrays: A,
     parallel: bool,
-    work: &(impl Fn(&Range<usize>, [PointsMut<'_>; N]) -> bool + Sync),
-) -> bool {
+    work: &(impl Fn(&Range<usize>, A) -> R + Sync),
+    combine: &(impl Fn(R, R) -> R + Sync),
+) -> Option<R> {
     match blocks {
-        [] => true,
-        [block] => work(block, arrays),
+        [] => None,
+        [block] => Some(work(block, arrays)),
         _ => {
             let (first, second) = blocks.split_at(blocks.len() / 2);
             let count = first.iter().map(ExactSizeIterator::len).sum();
-            let (first_arrays, second_arrays) = split_arrays(arrays, count);
-            let do_first = || all_blocks(first, first_arrays, parallel, work);
-            let do_second = || all_blocks(second, second_arrays, parallel, work);
-            let (first, second) =
-                if parallel { rayon::join(do_first, do_second) } else { (do_first(), do_second()) };
-            first && second
+            let (first_arrays, second_arrays) = arrays.split_arrays(count);
+            let do_first = || for_blocks(first, first_arrays, parallel, work, combine);
+            let do_second = || for_blocks(second, second_arrays, parallel, work, combine);
+            let results = if parallel { rayon::join(do_first, do_second) } else { (do_first(), do_second()) };
+            match results {
+                (Some(first), Some(second)) => Some(combine(first, second)),
+                (first, second) => first.or(second),
+            }
         }
     }
-}
-
-/// The first `count` points of each array and the rest of each.
-fn split_arrays<const N: usize>(
-    arrays: [PointsMut<'_>; N],
-    count: usize,
-) -> ([PointsMut<'_>; N], [PointsMut<'_>; N]) {
-    let mut rests = std::array::from_fn(|_| PointsMut::default());
-    let mut rest = rests.iter_mut();
-    let firsts = arrays.map(|array| {
-        let (first, second) = array.split_at(count);
-        if let Some(rest) = rest.next() {
-            *rest = second;
-        }
-        first
-    });
-    (firsts, rests)
 }

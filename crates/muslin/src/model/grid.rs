@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::Points;
 use crate::scene::{GridSettings, Placement};
 
@@ -73,10 +75,15 @@ impl Grid {
     pub(crate) fn place(&self, place: &Placement, positions: &mut Points) {
         for row in 0..self.rows {
             for column in 0..self.columns {
-                let across = place.width_axis * (column as f64 * self.column_spacing);
-                let along = place.height_axis * (row as f64 * self.row_spacing);
-                positions.set(self.particle(column, row), place.origin + across + along);
+                positions.set(self.particle(column, row), self.place_of(column, row, place));
             }
         }
+    }
+
+    /// Where the particle at `column`, `row` is [m] if the grid is flat and unstretched at `place`.
+    pub(crate) fn place_of(&self, column: usize, row: usize, place: &Placement) -> DVec3 {
+        let across = place.width_axis * (column as f64 * self.column_spacing);
+        let along = place.height_axis * (row as f64 * self.row_spacing);
+        place.origin + across + along
     }
 }

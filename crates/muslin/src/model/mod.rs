@@ -5,16 +5,19 @@
 
 mod grid;
 mod particles;
+mod pin_motion;
 mod surface;
 
 use std::ops::Range;
 
 pub use grid::Grid;
 pub use particles::Particles;
+pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
-use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};
-use crate::scene::{Fabric, NoiseSettings, PinSettings, Scene, WindSettings};
+use crate::force::{AerodynamicWind, Force, Gravity, GridSprings, Gust, Noise, ParticleWind, RandomStream};
+use crate::limit::{GridLimit, Limit};
+use crate::scene::{Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings};
 use crate::{Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
@@ -29,8 +32,10 @@ const BLOCK_PARTICLES: usize = 4096;
 #[derive(Debug)]
 pub struct Model {
     particles: Particles,
+    moving_pins: MovingPins,
     cloths: Vec<Cloth>,
     forces: Vec<Box<dyn Force>>,
+    limits: Vec<Box<dyn Limit>>,
     blocks: Vec<Range<usize>>,
 }
 
@@ -48,8 +53,10 @@ impl Model {
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let mut particles = Particles::default();
+        let mut moving_pins = MovingPins::default();
         let mut cloths = Vec::new();
         let mut forces: Vec<Box<dyn Force>> = Vec::new();
+        let mut limits: Vec<Box<dyn Limit>> = Vec::new();
         let environment = scene.environment();
         if environment.gravity != glam::DVec3::ZERO {
             forces.push(Box::new(Gravity { acceleration: environment.gravity }));
@@ -59,35 +66,42 @@ impl Model {
             let Fabric::Springs(fabric) = &scene.fabrics()[&settings.fabric];
             particles.extend(grid.particle_count(), fabric.particle_mass, fabric.drag);
             for pin in &settings.pins {
-                match *pin {
-                    PinSettings::Particle { column, row } => particles.pin(grid.particle(column, row)),
-                    PinSettings::Row(row) => {
-                        (0..grid.columns).for_each(|i| particles.pin(grid.particle(i, row)));
+                let motion = pin.motion.as_ref().map(PinMotion::new);
+                let mut hold = |column: usize, row: usize| {
+                    let particle = grid.particle(column, row);
+                    let is_new = particles.pin(particle);
+                    if let (true, Some(motion)) = (is_new, &motion) {
+                        moving_pins.add(particle, grid.place_of(column, row, &settings.place), motion);
                     }
-                    PinSettings::Column(column) => {
-                        (0..grid.rows).for_each(|j| particles.pin(grid.particle(column, j)));
-                    }
+                };
+                match pin.place {
+                    PinPlace::Particle { column, row } => hold(column, row),
+                    PinPlace::Row(row) => (0..grid.columns).for_each(|column| hold(column, row)),
+                    PinPlace::Column(column) => (0..grid.rows).for_each(|row| hold(column, row)),
                 }
             }
             forces.push(Box::new(GridSprings::new(grid, fabric)));
+            if let Some(limit) = GridLimit::new(grid, fabric) {
+                limits.push(Box::new(limit));
+            }
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
-        for (index, wind) in environment.winds.iter().enumerate() {
-            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction, noise } = *wind;
-            let noise = noise.map(|NoiseSettings { deviation, time }| {
-                let stream = RandomStream::new(scene.run().seed, &format!("environment.wind.{index}.noise"));
-                Noise::new(deviation, time, scene.run().duration, stream)
-            });
-            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction, noise }));
-        }
+        let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
+        forces.extend(winds(&environment.winds, scene.run(), &grids));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
-        Self { particles, cloths, forces, blocks }
+        Self { particles, moving_pins, cloths, forces, limits, blocks }
     }
 
     /// Masses, drags and pins.
     #[must_use]
     pub fn particles(&self) -> &Particles {
         &self.particles
+    }
+
+    /// The pins that move, and their paths.
+    #[must_use]
+    pub fn moving_pins(&self) -> &MovingPins {
+        &self.moving_pins
     }
 
     /// Cloths in the order of their particles.
@@ -102,20 +116,38 @@ impl Model {
         &self.forces
     }
 
+    /// Limits in the order in which they are applied after each step.
+    #[must_use]
+    pub fn limits(&self) -> &[Box<dyn Limit>] {
+        &self.limits
+    }
+
+    /// Whether any force is a function of velocities.
+    #[must_use]
+    pub fn depends_on_velocity(&self) -> bool {
+        self.forces.iter().any(|force| force.depends_on_velocity())
+    }
+
     /// Ranges of particles that are worked on as one.
     #[must_use]
     pub fn blocks(&self) -> &[Range<usize>] {
         &self.blocks
     }
 
-    /// The state at time zero: every cloth at rest, flat and unstretched at its place.
+    /// The state at time zero: every cloth at rest, flat and unstretched at its place; only pins that move are where their
+    /// paths begin, with the velocity that they have there.
     #[must_use]
     pub fn initial_state(&self, scene: &Scene) -> State {
         let mut positions = Points::zeros(self.particles.len());
         for (cloth, settings) in self.cloths.iter().zip(scene.cloths()) {
             cloth.grid.place(&settings.place, &mut positions);
         }
-        State::at_rest(positions)
+        let mut state = State::at_rest(positions);
+        for (particle, position) in self.moving_pins.positions(0.0) {
+            state.positions.set(particle, position);
+        }
+        self.moving_pins.eval_velocities(0.0, &mut state.velocities);
+        state
     }
 
     /// What to draw: every cloth, thinned to at most `limit` vertices each.
@@ -142,4 +174,41 @@ impl Model {
         }
         counts
     }
+}
+
+/// The forces of all winds: one for each on particles, and one for all that push faces, whose velocities add up.
+fn winds(settings: &[WindSettings], run: &RunSettings, grids: &[Grid]) -> Vec<Box<dyn Force>> {
+    let mut forces: Vec<Box<dyn Force>> = Vec::new();
+    let mut air: Option<AerodynamicWind> = None;
+    for (index, wind) in settings.iter().enumerate() {
+        match wind {
+            WindSettings::ParticleForce(settings) => {
+                forces.push(Box::new(ParticleWind { force: gust(settings, run, index) }));
+            }
+            WindSettings::Aerodynamic(settings) => {
+                let air = air.get_or_insert_with(|| AerodynamicWind {
+                    air_density: settings.air_density,
+                    normal_coefficient: settings.normal_coefficient,
+                    tangential_coefficient: settings.tangential_coefficient,
+                    velocity: glam::DVec3::ZERO,
+                    gusts: Vec::new(),
+                    grids: grids.to_vec(),
+                });
+                air.velocity += settings.velocity;
+                air.gusts.extend(settings.gust.as_ref().map(|settings| gust(settings, run, index)));
+            }
+        }
+    }
+    forces.extend(air.map(|air| Box::new(air) as Box<dyn Force>));
+    forces
+}
+
+/// The gust of wind number `index`, whose noise no other wind has.
+fn gust(settings: &GustSettings, run: &RunSettings, index: usize) -> Gust {
+    let GustSettings { amplitude, angular_frequency, phase, direction, noise } = *settings;
+    let noise = noise.map(|NoiseSettings { deviation, time }| {
+        let stream = RandomStream::new(run.seed, &format!("environment.wind.{index}.noise"));
+        Noise::new(deviation, time, run.duration, stream)
+    });
+    Gust { amplitude, angular_frequency, phase, direction, noise }
 }

@@ -35,7 +35,7 @@ impl Particles {
         &self.drags
     }
 
-    /// Whether a particle does not move, one per particle.
+    /// Whether a particle is held, or moved along a path, whatever acts on it; one per particle.
     #[must_use]
     pub fn pinned(&self) -> &[bool] {
         &self.pinned
@@ -54,8 +54,8 @@ impl Particles {
         self.pinned.resize(len, false);
     }
 
-    /// Pins `particle`.
-    pub(crate) fn pin(&mut self, particle: usize) {
-        self.pinned[particle] = true;
+    /// Pins `particle`; whether it was free.
+    pub(crate) fn pin(&mut self, particle: usize) -> bool {
+        !std::mem::replace(&mut self.pinned[particle], true)
     }
 }

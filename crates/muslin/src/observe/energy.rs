@@ -1,21 +1,24 @@
 //! The energy ledger: where the energy is, where it came from and went, and what is missing.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::pin_work::PinWork;
 use super::{Frame, Observer};
-use crate::force::{Configuration, PotentialEnergies};
+use crate::force::{Configuration, Force, PotentialEnergies};
+use crate::points::sum_in_lanes;
 use crate::{Model, Points, PointsMut, State};
 
 /// Energies [J] at one time.
 ///
 /// ```text
-/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work + drag loss
+/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work − pin work + drag loss + limit loss
 /// ```
 ///
 /// The residual would be zero in exact integration; with central differences it falls as the step squared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyTerms {
-    /// ½ Σ m v².
+    /// ½ Σ m v² over the particles that are free.
     pub kinetic: f64,
     /// Of structural springs.
     pub elastic_structural: f64,
@@ -27,28 +30,34 @@ pub struct EnergyTerms {
     pub gravitational: f64,
     /// Work done by the wind on the cloth since time zero.
     pub wind_work: f64,
-    /// Energy that drag took since time zero.
+    /// Work done by pins that move since time zero.
+    pub pin_work: f64,
+    /// Energy that drag took from free particles since time zero.
     pub drag_loss: f64,
+    /// Energy that limits against super-elongation took since time zero.
+    pub limit_loss: f64,
     /// What does not add up.
     pub residual: f64,
 }
 
 impl EnergyTerms {
     /// Names of the terms, in the order of [`values`](Self::values).
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 10] = [
         "kinetic",
         "elastic_structural",
         "elastic_shear",
         "elastic_bend",
         "gravitational",
         "wind_work",
+        "pin_work",
         "drag_loss",
+        "limit_loss",
         "residual",
     ];
 
     /// The terms [J] in the order of [`NAMES`](Self::NAMES).
     #[must_use]
-    pub fn values(&self) -> [f64; 8] {
+    pub fn values(&self) -> [f64; 10] {
         [
             self.kinetic,
             self.elastic_structural,
@@ -56,7 +65,9 @@ impl EnergyTerms {
             self.elastic_bend,
             self.gravitational,
             self.wind_work,
+            self.pin_work,
             self.drag_loss,
+            self.limit_loss,
             self.residual,
         ]
     }
@@ -80,28 +91,35 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
             return f64::INFINITY;
         }
         residual = residual.max(terms.residual.abs());
-        for (value, initial) in terms.values().iter().zip(first.values()).take(7) {
+        for (value, initial) in terms.values().iter().zip(first.values()).take(9) {
             scale = scale.max((value - initial).abs());
         }
     }
     if scale > 0.0 { residual / scale } else { 0.0 }
 }
 
-/// Sums the work of the wind and the loss to drag over all steps, and takes stock at every frame.
+/// Sums the work of wind and pins and the losses to drag and limits over all steps, and takes stock at every frame.
 ///
-/// Over a step of h with displacement Δ = h v:
+/// Over a step of h with displacement Δ = h v, with F_w the force of the wind and F the force of everything but the pins:
 ///
 /// ```text
-/// wind work += ½ Σ (F_before + F_after) · Δ        drag loss += Σ k_d v² h
+/// wind work += ½ Σ (F_w,before + F_w,after) · Δ        over all particles
+/// pin work  −= ½ Σ (F_before + F_after) · Δ            over the pins that move
+/// drag loss += Σ k_d v² h                              over the free particles
 /// ```
 ///
-/// Both are of second order, like the motion itself.
+/// A force that depends on velocities does the work F · Δ with F in the middle of the step, at x − ½ Δ and v: there the
+/// state's velocities are at home. To both comes [`State::limit_work`] of every
+/// step: what limits do on pins, the pins do against it. All are of second order, like the motion itself. What moves a pin
+/// has the mass and the drag of its particle to itself: its kinetic energy and the drag on it are in no term.
 #[derive(Clone, Debug, Default)]
 pub struct EnergyLedger {
     initial: Option<EnergyTerms>,
     current: EnergyTerms,
     external_before: Points,
     external_after: Points,
+    pins: PinWork,
+    middle_positions: Points,
 }
 
 impl EnergyLedger {
@@ -110,6 +128,7 @@ impl EnergyLedger {
     pub fn resume(model: &Model, state: &State, first: EnergyTerms, current: EnergyTerms) -> Self {
         let mut ledger = Self { initial: Some(first), current, ..Self::default() };
         eval_external_forces(model, state, &mut ledger.external_before);
+        ledger.pins = PinWork::new(model, state);
         ledger
     }
 
@@ -117,6 +136,42 @@ impl EnergyLedger {
     #[must_use]
     pub fn terms(&self) -> &EnergyTerms {
         &self.current
+    }
+
+    /// Adds the work of the forces that depend on velocities over the step that led to `state`.
+    fn add_work_of_moving(&mut self, model: &Model, state: &State) {
+        let forces =
+            || model.forces().iter().filter(|force| force.is_external() && force.depends_on_velocity());
+        if forces().next().is_none() {
+            return;
+        }
+        let half_step = 0.5 * state.last_step;
+        self.middle_positions.clone_from(&state.positions);
+        let middle = &mut self.middle_positions;
+        for (positions, velocities) in [
+            (&mut middle.x, &state.velocities.x),
+            (&mut middle.y, &state.velocities.y),
+            (&mut middle.z, &state.velocities.z),
+        ] {
+            positions
+                .iter_mut()
+                .zip(velocities)
+                .for_each(|(position, velocity)| *position -= half_step * velocity);
+        }
+        let at = Configuration {
+            time: state.time - half_step,
+            particles: model.particles(),
+            positions: &self.middle_positions,
+            velocities: &state.velocities,
+        };
+        // What was known of the forces before the step is no longer needed.
+        sum_forces(model, at, forces(), &mut self.external_after);
+        // What such forces do on a pin that moves does not reach the cloth.
+        for pin in model.moving_pins().particles() {
+            self.external_after.set(pin, DVec3::ZERO);
+        }
+        let power = mean_power(&self.external_after, &self.external_after, &state.velocities);
+        self.current.wind_work += power * state.last_step;
     }
 }
 
@@ -127,22 +182,30 @@ impl Observer for EnergyLedger {
             "an energy ledger sees the first frame before any step: call `Simulation::observe`"
         );
         self.current.drag_loss += drag_power(model, state) * state.last_step;
+        self.current.limit_loss -= state.limit_work.on_free + state.limit_work.on_pins;
+        self.current.pin_work += self.pins.add_step(model, state) - state.limit_work.on_pins;
         if eval_external_forces(model, state, &mut self.external_after) {
             let power = mean_power(&self.external_before, &self.external_after, &state.velocities);
             self.current.wind_work += power * state.last_step;
             std::mem::swap(&mut self.external_before, &mut self.external_after);
         }
+        self.add_work_of_moving(model, state);
     }
 
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
         let particles = model.particles();
-        let at = Configuration { time: frame.state.time, particles, positions: &frame.state.positions };
+        let at = Configuration {
+            time: frame.state.time,
+            particles,
+            positions: &frame.state.positions,
+            velocities: frame.velocities,
+        };
         let mut potentials = PotentialEnergies::default();
         for force in model.forces() {
             force.add_energies(at, &mut potentials);
         }
-        let squares =
-            frame.velocities.iter().zip(particles.masses()).map(|(v, mass)| mass * v.length_squared());
+        let moving = frame.velocities.iter().zip(particles.masses()).zip(particles.pinned());
+        let squares = moving.filter(|(_, pinned)| !**pinned).map(|((v, mass), _)| mass * v.length_squared());
         self.current.kinetic = 0.5 * squares.sum::<f64>();
         let [structural, shear, bend] = potentials.elastic;
         self.current.elastic_structural = structural;
@@ -153,42 +216,62 @@ impl Observer for EnergyLedger {
             Some(initial) => initial,
             None => {
                 eval_external_forces(model, frame.state, &mut self.external_before);
+                self.pins = PinWork::new(model, frame.state);
                 self.initial.insert(self.current)
             }
         };
         let gained = self.current.total() - initial.total();
-        self.current.residual = gained - self.current.wind_work + self.current.drag_loss;
+        let work = self.current.wind_work + self.current.pin_work;
+        self.current.residual = gained - work + self.current.drag_loss + self.current.limit_loss;
     }
 }
 
-/// Overwrites `forces` with the sum [N] of the forces without potential, if there are any; whether there are.
+/// Overwrites `forces` with the sum [N] of the forces that have no potential and depend on no velocity, if there are any;
+/// whether there are.
 fn eval_external_forces(model: &Model, state: &State, forces: &mut Points) -> bool {
-    let mut external = model.forces().iter().filter(|force| force.is_external()).peekable();
+    let mut external =
+        model.forces().iter().filter(|force| force.is_external() && !force.depends_on_velocity()).peekable();
     if external.peek().is_none() {
         return false;
     }
-    if forces.len() != state.positions.len() {
-        *forces = Points::zeros(state.positions.len());
+    let at = Configuration {
+        time: state.time,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+    };
+    sum_forces(model, at, external, forces);
+    true
+}
+
+/// Overwrites `sums` [N] with the sum of `forces`.
+fn sum_forces<'a>(
+    model: &Model,
+    at: Configuration<'_>,
+    forces: impl Iterator<Item = &'a Box<dyn Force>>,
+    sums: &mut Points,
+) {
+    if sums.len() != at.positions.len() {
+        *sums = Points::zeros(at.positions.len());
     }
-    forces.fill(0.0);
-    let at = Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
-    for force in external {
-        let mut rest = forces.as_mut();
+    sums.fill(0.0);
+    for force in forces {
+        let mut rest = sums.as_mut();
         for block in model.blocks() {
             let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
             force.add_forces(at, block, &mut own);
             rest = others;
         }
     }
-    true
 }
 
-/// Σ k_d v² [W] with the state's velocities.
+/// Σ k_d v² [W] of the free particles with the state's velocities.
 fn drag_power(model: &Model, state: &State) -> f64 {
-    let velocities = &state.velocities;
+    let (velocities, pinned) = (&state.velocities, model.particles().pinned());
     sum_in_lanes(model.particles().drags(), |i, drag| {
         let (x, y, z) = (velocities.x[i], velocities.y[i], velocities.z[i]);
-        drag * (x * x + y * y + z * z)
+        let power = drag * (x * x + y * y + z * z);
+        if pinned[i] { 0.0 } else { power }
     })
 }
 
@@ -204,16 +287,4 @@ fn mean_power(before: &Points, after: &Points, velocities: &Points) -> f64 {
             sum_in_lanes(velocities, |i, velocity| 0.5 * (before[i] + after[i]) * velocity)
         })
         .sum()
-}
-
-/// Sum of `term(index, value)` over `values`, in eight partial sums so that it can use vector registers; the order is
-/// the same on every machine.
-fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
-    let mut lanes = [0.0; 8];
-    for (chunk_index, chunk) in values.chunks(8).enumerate() {
-        for (lane, (offset, &value)) in lanes.iter_mut().zip(chunk.iter().enumerate()) {
-            *lane += term(8 * chunk_index + offset, value);
-        }
-    }
-    lanes.iter().sum()
 }

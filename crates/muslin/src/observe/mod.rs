@@ -5,6 +5,7 @@
 mod energy;
 mod expect;
 mod hash;
+mod pin_work;
 mod record;
 mod strain;
 
@@ -32,6 +33,11 @@ pub struct Frame<'a> {
 pub trait Observer: Send {
     /// Looks at `state` after a step of [`State::last_step`].
     fn step(&mut self, model: &Model, state: &State) {
+        let _ = (model, state);
+    }
+
+    /// Hears that a step was tried and taken back; `state` is the one that it began from.
+    fn refused_step(&mut self, model: &Model, state: &State) {
         let _ = (model, state);
     }
 

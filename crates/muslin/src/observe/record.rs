@@ -92,6 +92,10 @@ impl Observer for Recorder {
         self.strains.step(model, state);
     }
 
+    fn refused_step(&mut self, _: &Model, _: &State) {
+        self.steps.rejected += 1;
+    }
+
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
         self.ledger.frame(model, frame);
         self.strains.frame(model, frame);

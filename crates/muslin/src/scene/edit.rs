@@ -78,10 +78,10 @@ fn parse_value(value: &str) -> Result<Value, String> {
     }
 }
 
-/// Whether `value` is more probably meant as a name than as a number or a table with a slip.
+/// Whether `value` is more probably meant as a name, maybe of a file, than as a number or a table with a slip.
 fn is_word(value: &str) -> bool {
     value.starts_with(char::is_alphabetic)
-        && value.chars().all(|character| character.is_alphanumeric() || "_-. ".contains(character))
+        && value.chars().all(|character| character.is_alphanumeric() || "_-. /".contains(character))
 }
 
 /// Something with values in it.
@@ -249,6 +249,7 @@ name = 'b'
             (" run . duration = 1e-3 ", "duration = 3.0   #", "duration = 1e-3   #"),
             ("title=Hanging cloth", "'x' # its", "\"Hanging cloth\" # its"),
             ("title='a=b'", "'x' # its", "'a=b' # its"),
+            ("title=data/warp.csv", "'x' # its", "\"data/warp.csv\" # its"),
             ("cloth.0.grid.columns=20", "columns = 10,", "columns = 20,"),
             ("cloth.0.pins.1.row=-1", "{ row = 1 },", "{ row = -1 },"),
             ("cloth.0.pins.0={ column = 3 }", "{ row = 0 }, #", "{ column = 3 }, #"),

@@ -129,6 +129,32 @@ pub enum SceneErrorKind {
         /// What to write instead.
         help: &'static str,
     },
+    /// A file that the scene names cannot be read.
+    #[error("`{key}` names the file {file}, but {reason}")]
+    UnreadableFile {
+        /// Path of the value.
+        key: String,
+        /// The file's name, quoted.
+        file: String,
+        /// Why not.
+        reason: String,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A file that the scene names breaks a rule. The error's own position is that of its name in the scene.
+    #[error("`{file}`{} {message}", line_number(position))]
+    Data {
+        /// The file's name.
+        file: String,
+        /// Where in the file, if it is at one place.
+        position: Option<Position>,
+        /// The line at that place, empty if it is not text.
+        line: String,
+        /// Value and rule.
+        message: String,
+        /// What to write.
+        help: String,
+    },
     /// Values that contradict each other.
     #[error("{message}")]
     Inconsistent {
@@ -196,17 +222,21 @@ impl SceneError {
                 format!("{}valid names: {}", closest.unwrap_or_default(), listed(valid))
             }
             SceneErrorKind::DuplicateName { .. } => "give every cloth its own name".to_owned(),
-            SceneErrorKind::NotAvailable { help, .. } => (*help).to_owned(),
+            SceneErrorKind::NotAvailable { help, .. } | SceneErrorKind::UnreadableFile { help, .. } => {
+                (*help).to_owned()
+            }
             SceneErrorKind::Missing { help, .. }
             | SceneErrorKind::WrongType { help, .. }
             | SceneErrorKind::OutOfRange { help, .. }
+            | SceneErrorKind::Data { help, .. }
             | SceneErrorKind::Inconsistent { help, .. }
             | SceneErrorKind::Assignment { help, .. } => help.clone(),
         };
         (!help.is_empty()).then_some(help)
     }
 
-    /// The whole error for a person: message, place in the file `name`, the line of `text` with a caret, and help.
+    /// The whole error for a person: message, place in the file `name`, the line of `text` with a caret, and help; before
+    /// that place the one in a data file, if the error is there.
     ///
     /// `text` must be the text that was parsed. Several lines, the last without a line break.
     #[must_use]
@@ -259,6 +289,10 @@ fn listed(names: &[String]) -> String {
 
 fn place(table: &str) -> String {
     if table.is_empty() { "at the top level".to_owned() } else { format!("in `{table}`") }
+}
+
+fn line_number(position: &Option<Position>) -> String {
+    position.map_or(String::new(), |position| format!(" line {}:", position.line))
 }
 
 fn bracketed(unit: &str) -> String {

@@ -1,10 +1,11 @@
 //! Places in a text, and the line around a place with a caret under it.
 
 use std::ops::Range;
+use std::path::Path;
 
 use unicode_width::UnicodeWidthChar;
 
-use super::error::{Position, SceneError};
+use super::error::{Position, SceneError, SceneErrorKind};
 
 /// The most characters of a line that an excerpt shows.
 const SHOWN_CHARACTERS: usize = 100;
@@ -26,23 +27,40 @@ pub(super) fn position(text: &str, span: Range<usize>) -> Position {
 
 /// See [`SceneError::render`].
 pub(super) fn render(error: &SceneError, name: &str, text: &str) -> String {
+    let mut places = Vec::new();
+    if let SceneErrorKind::Data { file, position, line, .. } = error.kind() {
+        // Beside the scene, wherever that is.
+        let path = Path::new(name).with_file_name(file).display().to_string();
+        places.push((path, *position, line.clone()));
+    }
+    let position = error.position();
+    let content = position.map_or(String::new(), |position| line(text, position.line));
+    places.push((name.to_owned(), position, content));
+
+    let numbers =
+        places.iter().filter_map(|(_, position, _)| position.map(|position| position.line.to_string().len()));
+    let gutter = " ".repeat(numbers.max().unwrap_or(1));
     let mut lines = vec![format!("error: {error}")];
-    let mut gutter = " ".to_owned();
-    if let Some(Position { line, column, length }) = error.position() {
-        gutter = " ".repeat(line.to_string().len());
+    for (name, position, content) in places {
+        let Some(Position { line, column, length }) = position else {
+            lines.push(format!("{gutter}--> {name}"));
+            continue;
+        };
         lines.push(format!("{gutter}--> {name}:{line}:{column}"));
-        let content = text.trim_start_matches(BYTE_ORDER_MARK).lines().nth(line - 1).unwrap_or_default();
-        let (shown, caret) = line_and_caret(content, column - 1, length);
+        let (shown, caret) = line_and_caret(&content, column - 1, length);
         lines.push(format!("{gutter} |"));
-        lines.push(format!("{line} | {shown}").trim_end().to_owned());
+        lines.push(format!("{line:<width$} | {shown}", width = gutter.len()).trim_end().to_owned());
         lines.push(format!("{gutter} | {caret}"));
-    } else {
-        lines.push(format!("{gutter}--> {name}"));
     }
     if let Some(help) = error.help() {
         lines.push(format!("{gutter} = help: {help}"));
     }
     lines.join("\n")
+}
+
+/// The line of `text` that is counted as `number` from 1, without its end.
+pub(super) fn line(text: &str, number: usize) -> String {
+    text.trim_start_matches(BYTE_ORDER_MARK).lines().nth(number - 1).unwrap_or_default().to_owned()
 }
 
 const BYTE_ORDER_MARK: char = '\u{feff}';

@@ -1,13 +1,19 @@
 //! From scene text to a checked [`Scene`].
 
+mod curve;
+mod data;
 mod edit;
 mod error;
 mod excerpt;
+mod keyframes;
 mod read;
 mod settings;
 
+pub use curve::{TensionCurve, TensionCurveError};
+pub use data::{DataFile, MAX_DATA_BYTES};
 pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
+pub use keyframes::{Keyframe, Keyframes, KeyframesError};
 pub use settings::*;
 
 /// The longest scene text [B] that [`Scene::parse`] reads.

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::read::joined;
+use super::{DataFile, Keyframes, TensionCurve};
+
 /// A checked scene: what a run needs to know, in SI units.
 ///
 /// Invariants (kept by being readable only): every fabric that a cloth names exists; there is at least one cloth; all
@@ -16,6 +19,7 @@ pub struct Scene {
     pub(crate) fabrics: BTreeMap<String, Fabric>,
     pub(crate) cloths: Vec<ClothSettings>,
     pub(crate) expectations: Vec<Expectation>,
+    pub(crate) data_files: Vec<DataFile>,
 }
 
 impl Scene {
@@ -55,19 +59,55 @@ impl Scene {
         &self.cloths
     }
 
+    /// The files that the scene names, by name; each once.
+    #[must_use]
+    pub fn data_files(&self) -> &[DataFile] {
+        &self.data_files
+    }
+
     /// What a reader of the results must know, one sentence each, in lower case and without full stop.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let winds = self.environment.winds.iter().enumerate();
-        winds
-            .filter_map(|(index, wind)| match wind {
-                WindSettings::ParticleForce { noise: Some(NoiseSettings { time: 0.0, .. }), .. } => Some(format!(
-                    "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
-                     depends on the step"
-                )),
-                WindSettings::ParticleForce { .. } => None,
-            })
-            .collect()
+        let winds = &self.environment.winds;
+        let white = |wind: &WindSettings| {
+            matches!(
+                wind,
+                WindSettings::ParticleForce(GustSettings {
+                    noise: Some(NoiseSettings { time: 0.0, .. }),
+                    ..
+                })
+            )
+        };
+        let noisy = winds.iter().enumerate().filter(|(_, wind)| white(wind)).map(|(index, _)| {
+            format!(
+                "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
+                 depends on the step"
+            )
+        });
+        let has_air = winds.iter().any(|wind| matches!(wind, WindSettings::Aerodynamic(_)));
+        let faceless =
+            self.cloths.iter().filter(|cloth| has_air && cloth.grid.columns.min(cloth.grid.rows) == 1);
+        let unmoved = faceless.map(|cloth| {
+            format!(
+                "the cloth `{}` has one row or column and so no faces, on which alone an aerodynamic wind acts",
+                cloth.name
+            )
+        });
+        let is_used = |name: &str| self.cloths.iter().any(|cloth| cloth.fabric == name);
+        let of_limits = self.fabrics.iter().filter(|(name, _)| is_used(name)).filter_map(|(name, fabric)| {
+            let Fabric::Springs(fabric) = fabric;
+            let effect = match fabric.limit? {
+                LimitSettings::CutOff { .. } => {
+                    "shortens springs that are too long after each step, so where it acts the motion depends on the step"
+                }
+                LimitSettings::ArctangentProjection => {
+                    "shortens every stretched spring after each step, so the motion depends strongly on the step: the \
+                     smaller it is, the stiffer the cloth"
+                }
+            };
+            Some(format!("`{}.limit` {effect}", joined("fabric", name)))
+        });
+        noisy.chain(unmoved).chain(of_limits).collect()
     }
 
     /// What the run must give.
@@ -113,6 +153,11 @@ pub enum StepRule {
         /// Steps from one frame to the next, at least 1.
         steps_per_frame: u64,
     },
+    /// `"adaptive"` or `{ tolerance = e }` [m]: as long as stability and accuracy allow.
+    Adaptive {
+        /// Largest error [m] of any position that the steps of a frame may add up to, positive, if there is a limit.
+        tolerance: Option<f64>,
+    },
 }
 
 /// `run.start`: how the method finds the step before the first.
@@ -136,25 +181,46 @@ pub struct Environment {
 /// `[[environment.wind]]`
 #[derive(Clone, Debug, PartialEq)]
 pub enum WindSettings {
-    /// `law = "particle-force"`: F = [A sin(ω t + φ) + ε] d on every particle, as the paper writes it.
-    ParticleForce {
-        /// Amplitude A [N].
-        amplitude: f64,
-        /// Angular frequency ω [rad/s], not negative.
-        angular_frequency: f64,
-        /// Phase φ [rad].
-        phase: f64,
-        /// Direction d [1], of unit length.
-        direction: DVec3,
-        /// Random part ε, if there is one.
-        noise: Option<NoiseSettings>,
-    },
+    /// `law = "particle-force"`: the force F = [A sin(ω t + φ) + ε] d [N] on every particle, as the paper writes it.
+    ParticleForce(GustSettings),
+    /// `law = "aerodynamic"`: air that pushes faces by its velocity relative to them.
+    Aerodynamic(AirSettings),
+}
+
+/// What swings and varies at random: [A sin(ω t + φ) + ε] d, in N or m/s as the wind's law has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GustSettings {
+    /// Amplitude A, not negative.
+    pub amplitude: f64,
+    /// Angular frequency ω [rad/s], not negative.
+    pub angular_frequency: f64,
+    /// Phase φ [rad].
+    pub phase: f64,
+    /// Direction d [1], of unit length.
+    pub direction: DVec3,
+    /// Random part ε, if there is one.
+    pub noise: Option<NoiseSettings>,
+}
+
+/// A wind of law `"aerodynamic"`. Of several the velocities add up; density and coefficients are the same in all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirSettings {
+    /// Mean velocity [m/s].
+    pub velocity: DVec3,
+    /// What comes on top of it [m/s], if anything does; its noise has a correlation time.
+    pub gust: Option<GustSettings>,
+    /// Density of the air ρ [kg/m³], positive.
+    pub air_density: f64,
+    /// Coefficient C_N [1] of the pressure along a face's normal, not negative.
+    pub normal_coefficient: f64,
+    /// Coefficient C_T [1] of the friction along a face, not negative.
+    pub tangential_coefficient: f64,
 }
 
 /// `noise` and `noise_time` of a wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseSettings {
-    /// Standard deviation [N], positive.
+    /// Standard deviation, positive; in the unit of the wind's amplitude.
     pub deviation: f64,
     /// Correlation time [s]; zero for a new value at each step, or else at least 1e-5 of the duration.
     pub time: f64,
@@ -182,6 +248,24 @@ pub struct SpringsFabric {
     pub shear: SpringSettings,
     /// Springs to the next particle but one along the grid.
     pub bend: SpringSettings,
+    /// What keeps springs from becoming too long, if anything does.
+    pub limit: Option<LimitSettings>,
+}
+
+/// `fabric.NAME.limit`: what corrects springs that are too long after each step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LimitSettings {
+    /// `kind = "cut-off"`: at most a certain strain.
+    CutOff {
+        /// Largest strain of structural springs [1], not negative.
+        strain: f64,
+        /// Largest strain of shear springs [1], not negative; `None` for any.
+        shear_strain: Option<f64>,
+        /// Passes over all springs after each step at most, from 1 to 1000.
+        passes: u32,
+    },
+    /// `kind = "arctangent-projection"`: every stretched structural spring shortened along the paper's curve.
+    ArctangentProjection,
 }
 
 /// `fabric.NAME.force_direction`: what a spring's vector is divided by to give its force a direction.
@@ -194,16 +278,24 @@ pub enum ForceDirection {
 }
 
 /// Constants of one spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpringSettings {
-    /// Stiffness k [N/m], not negative.
+    /// Stiffness k [N/m], not negative; zero under the law `"curve"`, which has none.
     pub stiffness: f64,
     /// Tension against strain.
     pub law: SpringLawSettings,
 }
 
+impl SpringSettings {
+    /// Whether there are springs of this family: without stiffness there are none.
+    #[must_use]
+    pub fn has_springs(&self) -> bool {
+        matches!(self.law, SpringLawSettings::Curve(_)) || 0.0 < self.stiffness
+    }
+}
+
 /// `law` of a spring family.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpringLawSettings {
     /// `"linear"`: f = k (ℓ - L).
     Linear,
@@ -214,6 +306,8 @@ pub enum SpringLawSettings {
     },
     /// `"arctangent-force"`: the paper's limit curve taken literally as a force; softens.
     ArctangentForce,
+    /// `"curve"`: tension against strain from a table.
+    Curve(TensionCurve),
 }
 
 /// `[[cloth]]`
@@ -227,7 +321,7 @@ pub struct ClothSettings {
     pub grid: GridSettings,
     /// Where the cloth is at time zero, at rest and flat.
     pub place: Placement,
-    /// Particles that do not move.
+    /// Particles that are held, or moved along a path. No particle has two different motions.
     pub pins: Vec<PinSettings>,
 }
 
@@ -255,9 +349,18 @@ pub struct Placement {
     pub height_axis: DVec3,
 }
 
-/// One entry of `cloth.pins`: a particle, a row or a column. Indices count from zero and are within the grid.
+/// One entry of `cloth.pins`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinSettings {
+    /// What is pinned.
+    pub place: PinPlace,
+    /// How it moves; `None` if it keeps its place.
+    pub motion: Option<PinMotionSettings>,
+}
+
+/// What a pin holds: a particle, a row or a column. Indices count from zero and are within the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PinSettings {
+pub enum PinPlace {
     /// `{ column = i, row = j }`
     Particle {
         /// Column i.
@@ -269,6 +372,24 @@ pub enum PinSettings {
     Row(usize),
     /// `{ column = i }`: every particle of the column.
     Column(usize),
+}
+
+/// `motion` of a pin: its displacement from where its cloth is placed, over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PinMotionSettings {
+    /// `kind = "sine"`: A sin(2π f t + φ) along an axis.
+    Sine {
+        /// Axis [1], of unit length.
+        axis: DVec3,
+        /// Amplitude A [m], not negative.
+        amplitude: f64,
+        /// Frequency f [1/s], not negative.
+        frequency: f64,
+        /// Phase φ [rad].
+        phase: f64,
+    },
+    /// `kind = "keyframes"`: through given displacements at given times.
+    Keyframes(Keyframes),
 }
 
 /// One line of `[expect]`: a quantity of the finished run and the range it must lie in.

@@ -14,6 +14,16 @@ use muslin::{Model, Points, Scene, Simulation, State};
 /// Hooke's law, as in a scene file.
 pub(crate) const LINEAR: &str = "law = \"linear\"";
 
+/// The tabulated law: tension k L times [`CURVE_POINTS`], with the stiffness k and the smallest rest length L of the cloth.
+pub(crate) const CURVE: &str = "law = \"curve\"";
+
+/// Strain [1] and tension [k L] of a curve that stiffens: at rest by about k, and nowhere by more than 3 k.
+pub(crate) const CURVE_POINTS: [[f64; 2]; 5] =
+    [[0.05, 0.05], [0.1, 0.11], [0.2, 0.27], [0.4, 0.7], [0.8, 1.7]];
+
+/// Names of spring families.
+const FAMILIES: [&str; 3] = ["structural", "shear", "bend"];
+
 /// A scene as numbers, of which tests make the text that the library reads, and the motion that it must have.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneNumbers {
@@ -24,6 +34,7 @@ pub(crate) struct SceneNumbers {
     pub(crate) allow_unstable: bool,
     pub(crate) gravity: [f64; 3],
     pub(crate) winds: Vec<WindNumbers>,
+    pub(crate) airs: Vec<AirNumbers>,
     pub(crate) cloths: Vec<ClothNumbers>,
 }
 
@@ -38,6 +49,17 @@ pub(crate) struct WindNumbers {
     pub(crate) noise: [f64; 2],
 }
 
+/// An aerodynamic wind.
+#[derive(Clone, Debug)]
+pub(crate) struct AirNumbers {
+    pub(crate) velocity: [f64; 3],
+    /// What comes on top, in m/s.
+    pub(crate) gust: WindNumbers,
+    pub(crate) density: f64,
+    /// C_N and C_T.
+    pub(crate) coefficients: [f64; 2],
+}
+
 /// A cloth with a fabric of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct ClothNumbers {
@@ -50,6 +72,8 @@ pub(crate) struct ClothNumbers {
     pub(crate) height_axis: [f64; 3],
     /// Column and row of every pin.
     pub(crate) pins: Vec<(usize, usize)>,
+    /// How all of them move, if they do.
+    pub(crate) motion: Option<SineNumbers>,
     pub(crate) mass: f64,
     pub(crate) drag: f64,
     pub(crate) rest_length_direction: bool,
@@ -57,6 +81,32 @@ pub(crate) struct ClothNumbers {
     pub(crate) stiffnesses: [f64; 3],
     /// Their laws, as in a scene file.
     pub(crate) laws: [&'static str; 3],
+    /// The limit, as in a scene file, if there is one.
+    pub(crate) limit: Option<&'static str>,
+}
+
+/// A displacement A sin(2π f t + φ) along an axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SineNumbers {
+    pub(crate) axis: [f64; 3],
+    pub(crate) amplitude: f64,
+    pub(crate) frequency: f64,
+    pub(crate) phase: f64,
+}
+
+impl SineNumbers {
+    /// The displacement [m] along the axis at `time` [s].
+    pub(crate) fn displacement(&self, time: f64) -> f64 {
+        self.amplitude * (std::f64::consts::TAU * self.frequency * time + self.phase).sin()
+    }
+
+    fn text(&self) -> String {
+        let Self { axis, amplitude, frequency, phase } = self;
+        format!(
+            ", motion = {{ kind = \"sine\", axis = {axis:?}, amplitude = {amplitude:?}, \
+             frequency = {frequency:?}, phase = {phase:?} }}"
+        )
+    }
 }
 
 impl Default for SceneNumbers {
@@ -70,8 +120,29 @@ impl Default for SceneNumbers {
             allow_unstable: false,
             gravity: [0.0, -9.81, 0.0],
             winds: Vec::new(),
+            airs: Vec::new(),
             cloths: vec![ClothNumbers::default()],
         }
+    }
+}
+
+impl Default for WindNumbers {
+    /// None.
+    fn default() -> Self {
+        Self {
+            amplitude: 0.0,
+            angular_frequency: 0.0,
+            phase: 0.0,
+            direction: [1.0, 0.0, 0.0],
+            noise: [0.0; 2],
+        }
+    }
+}
+
+impl AirNumbers {
+    /// A steady wind.
+    pub(crate) fn steady(velocity: [f64; 3], coefficients: [f64; 2]) -> Self {
+        Self { velocity, gust: WindNumbers::default(), density: 1.2, coefficients }
     }
 }
 
@@ -87,11 +158,13 @@ impl Default for ClothNumbers {
             width_axis: [1.0, 0.0, 0.0],
             height_axis: [0.0, 0.0, 1.0],
             pins: vec![(0, 0), (9, 0)],
+            motion: None,
             mass: 0.002,
             drag: 0.002,
             rest_length_direction: false,
             stiffnesses: [60.0, 20.0, 2.0],
             laws: [LINEAR; 3],
+            limit: None,
         }
     }
 }
@@ -117,13 +190,15 @@ impl SceneNumbers {
             self.gravity,
         );
         for wind in &self.winds {
-            let WindNumbers { amplitude, angular_frequency, phase, direction, noise: [noise, noise_time] } =
-                wind;
+            let _ = write!(text, "[[environment.wind]]\nlaw = \"particle-force\"\n{}", wind.text());
+        }
+        for AirNumbers { velocity, gust, density, coefficients: [normal, tangential] } in &self.airs {
             let _ = write!(
                 text,
-                "[[environment.wind]]\nlaw = \"particle-force\"\namplitude = {amplitude:?}\n\
-                 angular_frequency = {angular_frequency:?}\nphase = {phase:?}\ndirection = {direction:?}\n\
-                 noise = {noise:?}\nnoise_time = {noise_time:?}\n",
+                "[[environment.wind]]\nlaw = \"aerodynamic\"\nvelocity = {velocity:?}\n{}\
+                 air_density = {density:?}\nnormal_coefficient = {normal:?}\n\
+                 tangential_coefficient = {tangential:?}\n",
+                gust.text(),
             );
         }
         for (index, cloth) in self.cloths.iter().enumerate() {
@@ -135,7 +210,21 @@ impl SceneNumbers {
     /// The scene that the library reads.
     pub(crate) fn scene(&self) -> Scene {
         let text = self.text();
-        Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render("test", &text)))
+        let scene = Scene::parse_with(&text, &mut |name| self.data_file(name));
+        scene.unwrap_or_else(|error| panic!("{}", error.render("test", &text)))
+    }
+
+    /// The data file that the text calls `name`.
+    fn data_file(&self, name: &str) -> Result<Vec<u8>, String> {
+        for (index, cloth) in self.cloths.iter().enumerate() {
+            if let Some(family) = (0..3).find(|&family| curve_name(index, family) == name) {
+                let scale = cloth.stiffnesses[family] * cloth.smallest_rest_length();
+                let lines =
+                    CURVE_POINTS.map(|[strain, tension]| format!("{strain:?},{:?}\n", scale * tension));
+                return Ok(format!("strain [1],tension [N]\n{}", lines.concat()).into_bytes());
+            }
+        }
+        Err("no cloth has it".to_owned())
     }
 
     /// The scene at time zero on one thread.
@@ -144,28 +233,60 @@ impl SceneNumbers {
     }
 }
 
+impl WindNumbers {
+    fn text(&self) -> String {
+        let Self { amplitude, angular_frequency, phase, direction, noise: [noise, noise_time] } = self;
+        format!(
+            "amplitude = {amplitude:?}\nangular_frequency = {angular_frequency:?}\nphase = {phase:?}\n\
+             direction = {direction:?}\nnoise = {noise:?}\nnoise_time = {noise_time:?}\n",
+        )
+    }
+}
+
 impl ClothNumbers {
     fn add_text(&self, index: usize, text: &mut String) {
         let Self { columns, rows, width, height, origin, width_axis, height_axis, mass, drag, .. } = self;
         let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
-        let [structural, shear, bend] = self.stiffnesses;
-        let [structural_law, shear_law, bend_law] = self.laws;
-        let pins: Vec<String> =
-            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row} }}")).collect();
+        let springs = [0, 1, 2].map(|family| match (self.stiffnesses[family], self.laws[family]) {
+            (stiffness, CURVE) if 0.0 < stiffness => {
+                format!("{} = {{ {CURVE}, curve = \"{}\" }}", FAMILIES[family], curve_name(index, family))
+            }
+            (stiffness, CURVE) => format!("{} = {{ stiffness = {stiffness:?}, {LINEAR} }}", FAMILIES[family]),
+            (stiffness, law) => format!("{} = {{ stiffness = {stiffness:?}, {law} }}", FAMILIES[family]),
+        });
+        let limit = self.limit.map(|limit| format!("limit = {limit}\n")).unwrap_or_default();
+        let motion = self.motion.as_ref().map(SineNumbers::text).unwrap_or_default();
+        let pins =
+            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row}{motion} }}"));
+        let pins: Vec<String> = pins.collect();
         let _ = write!(
             text,
             "[fabric.fabric{index}]\nkind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
              force_direction = \"{direction}\"\n\
-             structural = {{ stiffness = {structural:?}, {structural_law} }}\n\
-             shear = {{ stiffness = {shear:?}, {shear_law} }}\n\
-             bend = {{ stiffness = {bend:?}, {bend_law} }}\n\
+             {}\n{limit}\
              [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
              grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
              place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\
              pins = [{}]\n",
+            springs.join("\n"),
             pins.join(", "),
         );
     }
+
+    /// The rest length [m] of the shortest spring.
+    fn smallest_rest_length(&self) -> f64 {
+        let extents = [(self.width, self.columns), (self.height, self.rows)];
+        let spacings = extents
+            .map(|(extent, count)| if count == 1 { f64::INFINITY } else { extent / (count - 1) as f64 });
+        let smallest = spacings[0].min(spacings[1]);
+        // A lone particle has no springs, but its table must be one.
+        if smallest.is_finite() { smallest } else { 1.0 }
+    }
+}
+
+/// The file with the curve of a family of springs of a cloth.
+fn curve_name(cloth: usize, family: usize) -> String {
+    format!("cloth{cloth}-{}.csv", FAMILIES[family])
 }
 
 /// Workers of so many threads.

@@ -6,7 +6,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::{ClothNumbers, SceneNumbers, WindNumbers, assert_golden, finish, simulation, workers};
+use common::{
+    AirNumbers, CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish,
+    simulation, workers,
+};
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
 use muslin::{Scene, Simulation};
@@ -42,6 +45,46 @@ fn flag() -> SceneNumbers {
     }
 }
 
+/// Hung by two corners that move, in wind.
+fn shaken() -> SceneNumbers {
+    SceneNumbers {
+        winds: flag().winds,
+        cloths: vec![ClothNumbers {
+            height_axis: [0.0, -1.0, 0.0],
+            motion: Some(SineNumbers { axis: [0.0, 1.0, 3.0], amplitude: 0.1, frequency: 3.0, phase: 0.2 }),
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// Falling from the horizontal, its springs held by a limit.
+fn limited(limit: &'static str) -> SceneNumbers {
+    let mut numbers = hanging();
+    numbers.cloths[0].limit = Some(limit);
+    numbers
+}
+
+const CUT_OFF: &str = "{ kind = \"cut-off\", strain = 0.05, shear_strain = 0.2 }";
+const PROJECTION: &str = "{ kind = \"arctangent-projection\" }";
+
+/// The same in air that moves, with gusts of two winds.
+fn flutter() -> SceneNumbers {
+    let gust = WindNumbers {
+        amplitude: 0.5,
+        angular_frequency: 7.0,
+        phase: 0.6,
+        direction: [0.0, 0.1, 1.0],
+        noise: [0.3, 0.2],
+    };
+    let steady = AirNumbers::steady([3.0, 0.0, 0.5], [1.5, 0.05]);
+    SceneNumbers {
+        winds: Vec::new(),
+        airs: vec![AirNumbers { gust, ..steady.clone() }, AirNumbers { velocity: [1.0, 0.0, 0.0], ..steady }],
+        ..flag()
+    }
+}
+
 /// Free, with drag, started as printed.
 fn free_fall() -> SceneNumbers {
     SceneNumbers {
@@ -67,7 +110,7 @@ fn pendulum() -> SceneNumbers {
 }
 
 /// Two cloths; the first has several blocks for threads to share, the last of them shorter than the others.
-fn large() -> SceneNumbers {
+fn large(airs: Vec<AirNumbers>) -> SceneNumbers {
     let large = ClothNumbers {
         columns: 150,
         rows: 100,
@@ -81,6 +124,7 @@ fn large() -> SceneNumbers {
         frame_intervals: 3,
         steps_per_frame: 10,
         winds: flag().winds,
+        airs,
         cloths: vec![large, small],
         ..SceneNumbers::default()
     }
@@ -110,6 +154,22 @@ fn flag_has_the_recorded_bits() {
 }
 
 #[test]
+fn shaken_has_the_recorded_bits() {
+    assert_golden("inline-shaken", hash(&shaken().scene(), Workers::single()));
+}
+
+#[test]
+fn limits_have_the_recorded_bits() {
+    assert_golden("inline-cut-off", hash(&limited(CUT_OFF).scene(), Workers::single()));
+    assert_golden("inline-projection", hash(&limited(PROJECTION).scene(), Workers::single()));
+}
+
+#[test]
+fn flutter_has_the_recorded_bits() {
+    assert_golden("inline-flutter", hash(&flutter().scene(), Workers::single()));
+}
+
+#[test]
 fn free_fall_has_the_recorded_bits() {
     assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
 }
@@ -120,12 +180,27 @@ fn pendulum_has_the_recorded_bits() {
 }
 
 #[test]
+fn curve_has_the_recorded_bits() {
+    let mut numbers = hanging();
+    numbers.cloths[0].laws = [CURVE; 3];
+    assert_golden("inline-curve", hash(&numbers.scene(), Workers::single()));
+}
+
+#[test]
 fn bits_do_not_depend_on_threads() {
-    let scene = large().scene();
-    assert!(3 <= simulation(&scene, Workers::single()).model().blocks().len(), "blocks to share");
+    assert_bits_on_threads("inline-large", &large(Vec::new()).scene());
+}
+
+#[test]
+fn bits_in_air_do_not_depend_on_threads() {
+    assert_bits_on_threads("inline-large-flutter", &large(flutter().airs).scene());
+}
+
+fn assert_bits_on_threads(name: &str, scene: &Scene) {
+    assert!(3 <= simulation(scene, Workers::single()).model().blocks().len(), "blocks to share");
     let mut recorders = [1, 2, 3].map(|threads| {
         let mut recorder = Recorder::default();
-        finish(&mut simulation(&scene, workers(threads)), &mut recorder);
+        finish(&mut simulation(scene, workers(threads)), &mut recorder);
         recorder
     });
     let [one, two, three] = &mut recorders;
@@ -133,7 +208,7 @@ fn bits_do_not_depend_on_threads() {
     assert_eq!(one.frames(), three.frames());
     assert_eq!(one.max_strains(), two.max_strains());
     let last = one.frames().last().map(|frame| frame.hash);
-    assert_golden("inline-large", last.unwrap_or_else(|| panic!("no frames")));
+    assert_golden(name, last.unwrap_or_else(|| panic!("no frames")));
 }
 
 #[test]
@@ -148,7 +223,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), free_fall()] {
+    for numbers in [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF)] {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

@@ -20,6 +20,11 @@ const STEPS: u32 = 1000;
 
 /// A stretched and crumpled cloth of 8 x 6 that moves every way at once.
 fn thrown_cloth(rest_length_direction: bool) -> (Model, State) {
+    thrown_cloth_with(rest_length_direction, None)
+}
+
+/// The same under a limit.
+fn thrown_cloth_with(rest_length_direction: bool, limit: Option<&'static str>) -> (Model, State) {
     let numbers = SceneNumbers {
         gravity: [0.0; 3],
         cloths: vec![ClothNumbers {
@@ -28,6 +33,7 @@ fn thrown_cloth(rest_length_direction: bool) -> (Model, State) {
             pins: vec![],
             drag: 0.0,
             rest_length_direction,
+            limit,
             ..ClothNumbers::default()
         }],
         ..SceneNumbers::default()
@@ -107,6 +113,29 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
 #[test]
 fn momenta_are_kept() {
     PROBLEM.assert();
+}
+
+/// Limits move the ends of a spring in inverse proportion to their masses: linear momentum stays. (Angular momentum does
+/// not: a spring turns in the step at whose end it is shortened.)
+#[test]
+fn linear_momentum_is_kept_by_limits() {
+    for limit in [
+        "{ kind = \"arctangent-projection\" }",
+        "{ kind = \"cut-off\", strain = 0.05, shear_strain = 0.05, passes = 4 }",
+    ] {
+        let (model, mut state) = thrown_cloth_with(false, Some(limit));
+        let ([before, _], [mut scale, _]) = (momenta(&model, &state), scales(&model, &state));
+        let mut method = CentralDifference::new(Workers::single());
+        let (mut max_error, mut work) = (0.0_f64, 0.0);
+        for _ in 0..STEPS {
+            method.step(&model, &mut state, 5e-4).unwrap();
+            work += state.limit_work.on_free.abs();
+            scale = scale.max(scales(&model, &state)[0]);
+            max_error = larger(max_error, (momenta(&model, &state)[0] - before).length() / scale);
+        }
+        assert!(work > 0.0, "the limit acts");
+        assert!(max_error < TOLERANCE, "{max_error:e}");
+    }
 }
 
 /// Drag takes momentum and nothing else: P_n = P_0 (1 − c) / (1 + c) … as every particle's velocity alone would fall.

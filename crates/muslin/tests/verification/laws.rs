@@ -7,7 +7,7 @@ use muslin::force::TangentLaw;
 use muslin::observe::StrainMonitor;
 
 use super::common::setup::{chain, elastic_energy, forces, grid_points, settle, table};
-use super::common::{ClothNumbers, LINEAR, SceneNumbers, finish, model_and_state};
+use super::common::{CURVE, CURVE_POINTS, ClothNumbers, LINEAR, SceneNumbers, finish, model_and_state};
 use crate::report::{Problem, Row};
 
 const TANGENT: &str = "law = \"tangent\", strain_scale = 0.06";
@@ -87,6 +87,14 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
     rows.extend(loaded("arctangent-force", ARCTANGENT, [0.06, 1.2, 3.6, 5.4], |load| {
         libm::tan(load / (0.06 * STIFFNESS)) / five_pi
     }));
+    let row = |strain: f64, load: f64| {
+        Row::new(format!("`curve`, {load} N: extension [m]"), strain, extension(CURVE, load), TOLERANCE)
+    };
+    rows.extend(CURVE_POINTS.map(|[strain, tension]| row(strain, STIFFNESS * tension)));
+    // Beyond the table the tangent at its end: of the parabola through the points at 0.2, 0.4 and 0.8.
+    let (near, far) = (1.0 / 0.4, 0.43 / 0.2);
+    let tangent = ((2.0 * 0.4 + 0.2) * near - 0.4 * far) / (0.4 + 0.2);
+    rows.push(row(0.8 + 0.3 / tangent, STIFFNESS * 2.0));
     for exact in table(include_str!("reference/linearity.csv")) {
         // The reference has eight digits.
         rows.push(Row::new(
@@ -100,7 +108,8 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
         title: "Uniaxial tension",
         text: "A weight on a spring of 1 m and k = 60 N/m, after drag has brought it to rest, under every law. Exact \
                are the laws' inverses: x = F / k, x = 0.06 L arctan(5π F / k L), and x = L tan(F / 0.06 k L) / 5π, \
-               which has no value from 0.0942 k L = 5.65 N on. The linearity of a textile's tensile test, LT = W / (½ \
+               which has no value from 0.0942 k L = 5.65 N on. `curve` must give \
+               the strains of its table at its tensions, and go straight on beyond. The linearity of a textile's tensile test, LT = W / (½ \
                F e), is that of a strip stretched by hand, from forces on its edge and its energy: exact −2 ln cos u / \
                (u tan u) with u = e / a.",
         rows,

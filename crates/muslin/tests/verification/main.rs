@@ -5,20 +5,25 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aerodynamics;
 mod catenary;
 mod conservation;
 mod energy;
 mod estimator;
 mod falling;
+mod flutter;
 mod hanging_chain;
 mod laws;
+mod limits;
 mod membrane;
 mod moduli;
 mod order;
 mod oscillator;
 mod pendulum;
 mod picture_frame;
+mod pins;
 mod printed_form;
 mod report;
 mod stability;
 mod statics;
+mod wind_spectrum;

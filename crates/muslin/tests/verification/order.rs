@@ -12,7 +12,8 @@ use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::{Points, State};
 
 use crate::common::{
-    ClothNumbers, Random, SceneNumbers, WindNumbers, for_each_step, larger, max_distance, model_and_state,
+    CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, WindNumbers, for_each_step, larger, max_distance,
+    model_and_state,
 };
 use crate::report::{Problem, Row, order};
 
@@ -89,6 +90,11 @@ fn as_printed_start(drag: f64) -> Row {
 
 /// A cloth has no closed form: differences between runs of h, h/2, h/4, … fall like the errors (Richardson).
 fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
+    law_orders(as_printed_start, noise, LINEAR)
+}
+
+/// The same with structural springs of any law.
+fn law_orders(as_printed_start: bool, noise: [f64; 2], law: &'static str) -> Vec<f64> {
     let run = |steps_per_frame: u32| {
         let numbers = SceneNumbers {
             frame_intervals: 10,
@@ -106,6 +112,7 @@ fn cloth_orders(as_printed_start: bool, noise: [f64; 2]) -> Vec<f64> {
                 columns: 6,
                 rows: 5,
                 pins: vec![(0, 0), (5, 0)],
+                laws: [law, LINEAR, LINEAR],
                 ..ClothNumbers::default()
             }],
             ..SceneNumbers::default()
@@ -191,6 +198,7 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
     }
     rows.push(row("cloth of 6 x 5 in wind", &cloth_orders(false, [0.0; 2]), 2.0, 0.02));
     rows.push(row("cloth in noisy wind", &cloth_orders(false, NOISE), 2.0, 0.03));
+    rows.push(row("cloth of a tabulated law", &law_orders(false, [0.0; 2], CURVE), 2.0, 0.05));
     rows.push(row("cloth in wind, start as printed", &cloth_orders(true, [0.0; 2]), 1.0, 0.05));
     Problem {
         title: "Order in the step",

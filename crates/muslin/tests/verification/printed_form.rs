@@ -28,6 +28,8 @@ struct PrintedForm<'a> {
     cloth: &'a ClothNumbers,
     before: Vec<Vector>,
     now: Vec<Vector>,
+    /// Where the cloth is placed; a pin that moves is displaced from there.
+    places: Vec<Vector>,
     time: f64,
 }
 
@@ -68,7 +70,9 @@ impl<'a> PrintedForm<'a> {
                 now.push(std::array::from_fn(|a| cloth.origin[a] + across * u[a] + along * v[a]));
             }
         }
-        let mut form = Self { numbers, cloth, before: now.clone(), now, time: 0.0 };
+        let mut form = Self { numbers, cloth, before: now.clone(), now: now.clone(), places: now, time: 0.0 };
+        form.now = (0..form.places.len()).map(|p| form.pin(p, 0.0).unwrap_or(form.places[p])).collect();
+        form.before.clone_from(&form.now);
         if !numbers.as_printed_start {
             // S(−h) = S(h) in (5) gives 2 B (S(h) − S(0)) = F.
             let twice_b = 2.0 * cloth.mass / numbers.step().powi(2);
@@ -78,6 +82,17 @@ impl<'a> PrintedForm<'a> {
             }
         }
         form
+    }
+
+    /// Where particle `p` is held at `time`, if it is.
+    fn pin(&self, p: usize, time: f64) -> Option<Vector> {
+        let Self { cloth, places, .. } = self;
+        let is_pinned = cloth.pins.contains(&(p % cloth.columns, p / cloth.columns));
+        let displaced = |a: usize| match &cloth.motion {
+            Some(motion) => places[p][a] + motion.displacement(time) * motion.axis[a] / norm(motion.axis),
+            None => places[p][a],
+        };
+        is_pinned.then(|| std::array::from_fn(displaced))
     }
 
     /// Particle (i, j), if the grid has it.
@@ -115,7 +130,8 @@ impl<'a> PrintedForm<'a> {
         let (b, c) = (self.cloth.mass / (h * h), self.cloth.drag / (2.0 * h));
         let mut after = self.now.clone();
         for (p, after) in after.iter_mut().enumerate() {
-            if self.cloth.pins.contains(&(p % self.cloth.columns, p / self.cloth.columns)) {
+            if let Some(place) = self.pin(p, self.time + h) {
+                *after = place;
                 continue;
             }
             let (force, now, before) = (self.force(p), self.now[p], self.before[p]);

@@ -33,22 +33,22 @@ pub struct ArctangentLaw {
 }
 
 impl TensionLaw for ArctangentLaw {
-    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         SCALE * self.stiffness * rest_length * libm::atan(FACTOR * extension / rest_length)
     }
 
-    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
         let u = FACTOR * extension / rest_length;
         SCALE * FACTOR * self.stiffness / (1.0 + u * u)
     }
 
-    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         let u = FACTOR * extension / rest_length;
         let scale = SCALE * self.stiffness * rest_length * rest_length / FACTOR;
         scale * (u * libm::atan(u) - 0.5 * libm::log1p(u * u))
     }
 
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
         let u = FACTOR * extension / rest_length;
         let scale = SCALE * self.stiffness * rest_length * rest_length * rest_length / (FACTOR * FACTOR);
         scale * 0.5 * ((u * u + 1.0) * libm::atan(u) - u)

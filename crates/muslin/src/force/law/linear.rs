@@ -15,19 +15,19 @@ pub struct LinearLaw {
 
 impl TensionLaw for LinearLaw {
     #[inline(always)]
-    fn tension(self, extension: f64, _rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, _rest_length: f64) -> f64 {
         self.stiffness * extension
     }
 
-    fn tangent(self, _extension: f64, _rest_length: f64) -> f64 {
+    fn tangent(&self, _extension: f64, _rest_length: f64) -> f64 {
         self.stiffness
     }
 
-    fn energy(self, extension: f64, _rest_length: f64) -> f64 {
+    fn energy(&self, extension: f64, _rest_length: f64) -> f64 {
         0.5 * self.stiffness * extension * extension
     }
 
-    fn energy_moment(self, extension: f64, _rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, _rest_length: f64) -> f64 {
         self.stiffness * extension * extension * extension / 3.0
     }
 }

@@ -1,10 +1,12 @@
 //! Laws of tension against extension.
 
 mod arctangent;
+mod curve;
 mod linear;
 mod tangent;
 
 pub use arctangent::ArctangentLaw;
+pub use curve::CurveLaw;
 pub use linear::LinearLaw;
 pub use tangent::TangentLaw;
 
@@ -17,24 +19,56 @@ use crate::scene::{SpringLawSettings, SpringSettings};
 /// ```text
 /// f(x) [N]    k_t = df/dx [N/m]    E = ∫₀ˣ f(s) ds [J]    M = ∫₀ˣ f(s) s ds [J m]
 /// ```
-pub trait TensionLaw: Copy + Send + Sync {
+pub trait TensionLaw: Send + Sync {
     /// Tension f [N], positive when it pulls the ends together.
-    fn tension(self, extension: f64, rest_length: f64) -> f64;
+    fn tension(&self, extension: f64, rest_length: f64) -> f64;
 
     /// Tangent k_t [N/m].
-    fn tangent(self, extension: f64, rest_length: f64) -> f64;
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64;
+
+    /// Tension [N] and tangent [N/m] together, for laws that share work between them.
+    #[inline(always)]
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
+        (self.tension(extension, rest_length), self.tangent(extension, rest_length))
+    }
 
     /// Energy E [J].
-    fn energy(self, extension: f64, rest_length: f64) -> f64;
+    fn energy(&self, extension: f64, rest_length: f64) -> f64;
 
     /// First moment M [J m] of the tension, which the as-printed force direction needs for its energy.
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64;
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64;
+}
+
+/// A borrowed law is that law: a spring need not own the table of its law.
+impl<L: TensionLaw> TensionLaw for &L {
+    #[inline(always)]
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
+        L::tension(self, extension, rest_length)
+    }
+
+    #[inline(always)]
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
+        L::tangent(self, extension, rest_length)
+    }
+
+    #[inline(always)]
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
+        L::tension_and_tangent(self, extension, rest_length)
+    }
+
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
+        L::energy(self, extension, rest_length)
+    }
+
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
+        L::energy_moment(self, extension, rest_length)
+    }
 }
 
 /// Any law that a scene can name.
 ///
 /// It is a law itself; loops over many springs match it once and use the law inside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpringLaw {
     /// `"linear"`
     Linear(LinearLaw),
@@ -42,12 +76,14 @@ pub enum SpringLaw {
     Tangent(TangentLaw),
     /// `"arctangent-force"`
     Arctangent(ArctangentLaw),
+    /// `"curve"`
+    Curve(CurveLaw),
 }
 
 impl SpringLaw {
     /// The law of `settings`.
     #[must_use]
-    pub fn new(settings: SpringSettings) -> Self {
+    pub fn new(settings: &SpringSettings) -> Self {
         let stiffness = settings.stiffness;
         match settings.law {
             SpringLawSettings::Linear => Self::Linear(LinearLaw { stiffness }),
@@ -55,40 +91,77 @@ impl SpringLaw {
                 Self::Tangent(TangentLaw::new(stiffness, strain_scale))
             }
             SpringLawSettings::ArctangentForce => Self::Arctangent(ArctangentLaw { stiffness }),
+            SpringLawSettings::Curve(ref curve) => Self::Curve(CurveLaw::new(curve)),
         }
+    }
+
+    /// Gives the law that it is to `visitor`, once for a loop over many springs.
+    pub fn visit<V: LawVisitor>(&self, visitor: V) {
+        // Small laws go by value, so that a loop need not read them again for each spring.
+        match self {
+            Self::Linear(law) => visitor.visit(*law),
+            Self::Tangent(law) => visitor.visit(*law),
+            Self::Arctangent(law) => visitor.visit(*law),
+            Self::Curve(law) => visitor.visit(law),
+        }
+    }
+
+    /// Whether the tangent is the same at every extension.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        matches!(self, Self::Linear(_))
     }
 }
 
+/// What is compiled apart for each law.
+pub trait LawVisitor {
+    /// Does it with `law`.
+    fn visit<L: TensionLaw>(self, law: L);
+}
+
 impl TensionLaw for SpringLaw {
-    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         match self {
             Self::Linear(law) => law.tension(extension, rest_length),
             Self::Tangent(law) => law.tension(extension, rest_length),
             Self::Arctangent(law) => law.tension(extension, rest_length),
+            Self::Curve(law) => law.tension(extension, rest_length),
         }
     }
 
-    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
         match self {
             Self::Linear(law) => law.tangent(extension, rest_length),
             Self::Tangent(law) => law.tangent(extension, rest_length),
             Self::Arctangent(law) => law.tangent(extension, rest_length),
+            Self::Curve(law) => law.tangent(extension, rest_length),
         }
     }
 
-    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
+        match self {
+            Self::Linear(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Tangent(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Curve(law) => law.tension_and_tangent(extension, rest_length),
+        }
+    }
+
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         match self {
             Self::Linear(law) => law.energy(extension, rest_length),
             Self::Tangent(law) => law.energy(extension, rest_length),
             Self::Arctangent(law) => law.energy(extension, rest_length),
+            Self::Curve(law) => law.energy(extension, rest_length),
         }
     }
 
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
         match self {
             Self::Linear(law) => law.energy_moment(extension, rest_length),
             Self::Tangent(law) => law.energy_moment(extension, rest_length),
             Self::Arctangent(law) => law.energy_moment(extension, rest_length),
+            Self::Curve(law) => law.energy_moment(extension, rest_length),
         }
     }
 }

@@ -75,30 +75,30 @@ impl TangentLaw {
 }
 
 impl TensionLaw for TangentLaw {
-    fn tension(self, extension: f64, rest_length: f64) -> f64 {
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).0
+    }
+
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).1
+    }
+
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         if extension <= 0.0 {
-            return self.initial_stiffness * extension;
+            return (self.initial_stiffness * extension, self.initial_stiffness);
         }
         let scale = self.strain_scale * rest_length;
         let u = extension / scale;
-        let tangent =
-            if u <= CAP_ARGUMENT { libm::tan(u) } else { CAP_TANGENT + CAP_RATIO * (u - CAP_ARGUMENT) };
-        self.initial_stiffness * scale * tangent
+        let (tangent, ratio) = if u <= CAP_ARGUMENT {
+            let tangent = libm::tan(u);
+            (tangent, 1.0 + tangent * tangent)
+        } else {
+            (CAP_TANGENT + CAP_RATIO * (u - CAP_ARGUMENT), CAP_RATIO)
+        };
+        (self.initial_stiffness * scale * tangent, self.initial_stiffness * ratio)
     }
 
-    fn tangent(self, extension: f64, rest_length: f64) -> f64 {
-        if extension <= 0.0 {
-            return self.initial_stiffness;
-        }
-        let u = extension / (self.strain_scale * rest_length);
-        if CAP_ARGUMENT < u {
-            return self.initial_stiffness * CAP_RATIO;
-        }
-        let tangent = libm::tan(u);
-        self.initial_stiffness * (1.0 + tangent * tangent)
-    }
-
-    fn energy(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return 0.5 * self.initial_stiffness * extension * extension;
         }
@@ -112,7 +112,7 @@ impl TensionLaw for TangentLaw {
         self.initial_stiffness * scale * scale * (curved + straight)
     }
 
-    fn energy_moment(self, extension: f64, rest_length: f64) -> f64 {
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return self.initial_stiffness * extension * extension * extension / 3.0;
         }

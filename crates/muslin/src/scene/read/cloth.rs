@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::pins;
 use super::table::{Entry, Table};
 use super::value::{NumberRule, Value, rounded};
+use crate::scene::data::DataFiles;
 use crate::scene::error::{SceneErrorKind, quoted};
-use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, PinSettings, Placement, SceneError};
+use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, Placement, SceneError};
 
 /// How far from perpendicular two unit axes may be: their scalar product, so an angle [rad].
 const PERPENDICULAR_TOLERANCE: f64 = 1e-9;
@@ -13,6 +15,7 @@ const PERPENDICULAR_TOLERANCE: f64 = 1e-9;
 pub(super) fn read(
     entry: Entry,
     fabrics: &BTreeMap<String, Fabric>,
+    files: &mut DataFiles,
 ) -> Result<Vec<ClothSettings>, SceneError> {
     const HELP: &str = "add a table `[[cloth]]` with name, fabric, grid and place";
     let value = entry.required("", HELP)?;
@@ -30,7 +33,7 @@ pub(super) fn read(
     for table in tables {
         let path = table.path().to_owned();
         let name = table.peek("name");
-        let cloth = read_cloth(table, fabrics, &mut free_particles)?;
+        let cloth = read_cloth(table, fabrics, files, &mut free_particles)?;
         if let Some(other) = paths_by_name.insert(cloth.name.clone(), path) {
             let name = name.required("", "")?;
             let (key, value) = (name.path.clone(), quoted(&cloth.name));
@@ -44,6 +47,7 @@ pub(super) fn read(
 fn read_cloth(
     mut table: Table,
     fabrics: &BTreeMap<String, Fabric>,
+    files: &mut DataFiles,
     free_particles: &mut u64,
 ) -> Result<ClothSettings, SceneError> {
     let name = table.take("name");
@@ -67,7 +71,7 @@ fn read_cloth(
         name: name.string()?.to_owned(),
         fabric: fabric.string()?.to_owned(),
         place: read_place(place, grid)?,
-        pins: read_pins(pins, grid)?,
+        pins: pins::read(pins, grid, files)?,
         grid,
     })
 }
@@ -151,16 +155,22 @@ fn read_place(entry: Entry, grid: GridSettings) -> Result<Placement, SceneError>
     Ok(place)
 }
 
-/// Checks that positions around `origin` are fine enough for the springs of `grid`.
-fn check_rounding(origin: &Value, grid: GridSettings) -> Result<(), SceneError> {
-    let distance = origin.vector("m")?.abs().max_element();
+/// Rounding of positions [m] up to `distance` [m] from the origin of space, and the smallest distance [m] of neighbours in
+/// `grid`, if the one is too large for the other.
+pub(super) fn coarse_positions(distance: f64, grid: GridSettings) -> Option<(f64, f64)> {
     let spacing =
         |extent: f64, count: usize| if count == 1 { f64::INFINITY } else { extent / (count - 1) as f64 };
     let smallest = spacing(grid.width, grid.columns).min(spacing(grid.height, grid.rows));
     let rounding = f64::EPSILON * (distance + grid.width + grid.height);
-    if rounding <= ROUNDING_TOLERANCE * smallest {
+    (ROUNDING_TOLERANCE * smallest < rounding).then_some((rounding, smallest))
+}
+
+/// Checks that positions around `origin` are fine enough for the springs of `grid`.
+fn check_rounding(origin: &Value, grid: GridSettings) -> Result<(), SceneError> {
+    let distance = origin.vector("m")?.abs().max_element();
+    let Some((rounding, smallest)) = coarse_positions(distance, grid) else {
         return Ok(());
-    }
+    };
     Err(origin.error(SceneErrorKind::Inconsistent {
         message: format!(
             "`{}` is {distance:e} m from the origin of space, where positions are known to {rounding:.0e} m only, but \
@@ -180,48 +190,5 @@ fn perpendicular_help(place: Placement) -> String {
             format!("the nearest is `height_axis = [{:?}, {:?}, {:?}]`", axis.x, axis.y, axis.z)
         }
         _ => "write two axes of different directions".to_owned(),
-    }
-}
-
-fn read_pins(entry: Entry, grid: GridSettings) -> Result<Vec<PinSettings>, SceneError> {
-    const HELP: &str = "write `pins = [{ column = 0, row = 0 }, { row = -1 }]`";
-    match entry.optional() {
-        None => Ok(Vec::new()),
-        Some(pins) => pins.tables(HELP)?.into_iter().map(|pin| read_pin(pin, grid)).collect(),
-    }
-}
-
-fn read_pin(mut table: Table, grid: GridSettings) -> Result<PinSettings, SceneError> {
-    if let Some(motion) = table.peek("motion").optional() {
-        return Err(motion.not_available("a moving pin", "leave it out: the pin holds its place"));
-    }
-    let column = table.take("column");
-    let row = table.take("row");
-    table.finish()?;
-
-    let column = column.optional().map(|index| read_index(&index, "columns", grid.columns)).transpose()?;
-    let row = row.optional().map(|index| read_index(&index, "rows", grid.rows)).transpose()?;
-    match (column, row) {
-        (Some(column), Some(row)) => Ok(PinSettings::Particle { column, row }),
-        (None, Some(row)) => Ok(PinSettings::Row(row)),
-        (Some(column), None) => Ok(PinSettings::Column(column)),
-        (None, None) => Err(table.error(SceneErrorKind::Inconsistent {
-            message: format!("`{}` names neither a column nor a row", table.path()),
-            help: "write `{ column = 0, row = 0 }`, `{ row = 0 }` or `{ column = 0 }`".to_owned(),
-        })),
-    }
-}
-
-/// An index below `count`; a negative one counts from the end.
-fn read_index(value: &Value, what: &str, count: usize) -> Result<usize, SceneError> {
-    let index = value.integer(i64::MIN, i64::MAX)?;
-    let from_start = if index < 0 { index.checked_add_unsigned(count as u64) } else { Some(index) };
-    match from_start.and_then(|index| usize::try_from(index).ok()) {
-        Some(index) if index < count => Ok(index),
-        _ => Err(value.out_of_range(
-            "",
-            &format!("be from 0 to {} or from -{count} to -1", count - 1),
-            &format!("the grid has {count} {what}; negative indices count from the end"),
-        )),
     }
 }

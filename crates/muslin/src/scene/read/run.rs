@@ -2,17 +2,18 @@
 
 use super::table::Entry;
 use super::value::{NumberRule, Value, rounded, with_decimals};
-use crate::scene::error::{SceneErrorKind, quoted};
+use crate::scene::error::{SceneErrorKind, closest, quoted};
 use crate::scene::{
     MAX_FRAME_INTERVALS, MAX_STEPS_PER_FRAME, Method, RunSettings, SceneError, Start, StepRule,
 };
 
 /// How far from a whole number, relative to it, a number of frames or steps may be.
 const WHOLE_TOLERANCE: f64 = 1e-9;
-const STEP_HELP: &str = "write `step = { constant = h }` with h in s";
+const STEP_HELP: &str =
+    "write `step = \"adaptive\"`, `{ tolerance = e }` with e in m, or `{ constant = h }` with h in s";
 
 pub(super) fn read(entry: Entry) -> Result<RunSettings, SceneError> {
-    let help = "add a table `[run]` with duration and step";
+    let help = "add a table `[run]` with a duration";
     let mut table = entry.required("", help)?.table("write `[run]`")?;
     let duration = table.take("duration");
     let frame_rate = table.take("frame_rate");
@@ -36,7 +37,10 @@ pub(super) fn read(entry: Entry) -> Result<RunSettings, SceneError> {
                 method.choice("is not a method", &[("central-difference", Method::CentralDifference)])?
             }
         },
-        step: read_step(step.required("s", STEP_HELP)?, frame_rate)?,
+        step: match step.optional() {
+            None => StepRule::Adaptive { tolerance: None },
+            Some(step) => read_step(step, frame_rate)?,
+        },
         start: match start.optional() {
             None => Start::Consistent,
             Some(start) => {
@@ -90,23 +94,43 @@ fn read_frame_intervals(value: &Value, frame_rate: f64) -> Result<u64, SceneErro
 fn read_step(value: Value, frame_rate: f64) -> Result<StepRule, SceneError> {
     match value.value.as_str() {
         None => {}
-        Some("adaptive") => return Err(value.not_available("an adaptive step", STEP_HELP)),
+        Some("adaptive") => return Ok(StepRule::Adaptive { tolerance: None }),
         Some(name) => {
             return Err(value.error(SceneErrorKind::UnknownName {
                 key: value.path.clone(),
                 value: quoted(name),
                 rule: "is not a rule for the step",
-                valid: vec!["`{ constant = h }` with h in s".to_owned()],
-                closest: None,
+                valid: [r#""adaptive""#, "`{ tolerance = e }` with e in m", "`{ constant = h }` with h in s"]
+                    .map(str::to_owned)
+                    .to_vec(),
+                closest: closest(name, &["adaptive"]).map(quoted),
             }));
         }
     }
+    let empty = value.error(SceneErrorKind::Inconsistent {
+        message: "`run.step` is an empty table, but must say which rule the step follows".to_owned(),
+        help: STEP_HELP.to_owned(),
+    });
     let mut table = value.table(STEP_HELP)?;
     let constant = table.take("constant");
+    let tolerance = table.take("tolerance");
     table.finish()?;
-    let constant = constant.required("s", STEP_HELP)?;
-    let steps_per_frame = read_steps_per_frame(&constant, frame_rate)?;
-    Ok(StepRule::Constant { steps_per_frame })
+    match (constant.optional(), tolerance.optional()) {
+        (Some(constant), None) => {
+            let steps_per_frame = read_steps_per_frame(&constant, frame_rate)?;
+            Ok(StepRule::Constant { steps_per_frame })
+        }
+        (None, Some(tolerance)) => {
+            Ok(StepRule::Adaptive { tolerance: Some(tolerance.number("m", NumberRule::Positive)?) })
+        }
+        (Some(constant), Some(_)) => Err(constant.error(SceneErrorKind::Inconsistent {
+            message:
+                "`run.step` has both `constant` and `tolerance`, but a step is either constant or adaptive"
+                    .to_owned(),
+            help: "keep one of them".to_owned(),
+        })),
+        (None, None) => Err(empty),
+    }
 }
 
 fn read_steps_per_frame(value: &Value, frame_rate: f64) -> Result<u64, SceneError> {

@@ -24,6 +24,7 @@ pub(super) struct Table<'t> {
 }
 
 /// What a table has under a key: a value or nothing.
+#[derive(Clone)]
 pub(super) struct Entry<'t> {
     text: &'t str,
     path: String,
@@ -108,6 +109,10 @@ impl<'t> Table<'t> {
 }
 
 impl<'t> Entry<'t> {
+    pub(super) fn is_given(&self) -> bool {
+        self.value.is_some()
+    }
+
     pub(super) fn optional(self) -> Option<Value<'t>> {
         self.value
     }
@@ -149,7 +154,7 @@ impl<'t> Entry<'t> {
 }
 
 /// The path of `key` in the table at `path`.
-pub(super) fn joined(path: &str, key: &str) -> String {
+pub(in crate::scene) fn joined(path: &str, key: &str) -> String {
     let key = shortened(&key_as_written(key));
     if path.is_empty() { key } else { format!("{path}.{key}") }
 }
