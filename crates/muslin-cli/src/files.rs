@@ -259,10 +259,12 @@ pub(crate) fn residual_text(residual: f64) -> String {
 
 /// Gives the strain [1] of every particle from the positions of all.
 fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
+    let velocities = Points::default();
     move |positions, strains| {
         strains.clear();
         strains.resize(positions.len(), 0.0);
-        let at = Configuration { time: 0.0, particles: model.particles(), positions };
+        let at =
+            Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
         for force in model.forces() {
             force.eval_particle_strains(at, strains);
         }

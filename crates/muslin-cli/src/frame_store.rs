@@ -4,10 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use muslin::integrate::StepMemory;
 use muslin::observe::{Frame, FrameRecord, Recorder, StepCounts};
 use muslin::write::{FrameSource, MotionSource, POINT_BYTES, read_points, write_points};
-use muslin::{Model, Points, State};
+use muslin::{Model, Points, State, StepMemory};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;

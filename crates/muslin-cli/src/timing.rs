@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use muslin::integrate::{Integrator, Motion, StepError, Workers};
-use muslin::{Model, Points, State};
+use muslin::integrate::{Integrator, StepError, Workers};
+use muslin::{Model, Motion, Points, State};
 
 /// Time spent in steps, shared with the integrator that measures it.
 #[derive(Clone, Default)]

@@ -81,7 +81,7 @@ pub use model::Model;
 pub use points::{Points, PointsMut};
 pub use run::{Simulation, SimulationError, initial_step, suggested_step};
 pub use scene::Scene;
-pub use state::{LimitWork, State};
+pub use state::{LimitWork, Motion, State, StepMemory};
 
 /// The program in the README compiles.
 #[cfg(doctest)]

@@ -61,7 +61,7 @@ enum Steps {
         /// A guaranteed stable step [s] at the current state.
         stable: f64,
         /// The state before a step that may be taken back; empty if none is.
-        before: State,
+        before: Box<State>,
     },
 }
 
@@ -149,7 +149,7 @@ impl Simulation {
             StepRule::Adaptive { tolerance } => {
                 let stable = integrator.eval_forces_and_stable_step(&model, &state);
                 let rule = adaptive_step(&settings, &model, tolerance);
-                Steps::Adaptive { rule, stable, before: State::at_rest(Points::default()) }
+                Steps::Adaptive { rule, stable, before: Box::new(State::at_rest(Points::default())) }
             }
         };
         integrator.velocities(&model, &state, &mut velocities);
@@ -266,7 +266,7 @@ impl Simulation {
                 show_step(observers, model, state);
                 return Ok(is_last);
             }
-            let tolerated_step = state.step_memory.tolerated_step();
+            let tolerated_step = state.step_memory.tolerated_step;
             state.copy_from(before);
             integrator.eval_forces(model, state);
             ideal_step = if is_tolerated { 0.5 * step } else { tolerated_step.min(0.5 * step) };
@@ -294,7 +294,7 @@ fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) 
     let by_forces = forces.iter().map(|force| force.longest_step()).fold(f64::INFINITY, f64::min);
     AdaptiveStep {
         frame_interval,
-        longest: by_drag.min(by_forces),
+        longest: by_drag.min(by_forces).min(model.moving_pins().longest_step()),
         shortest: frame_interval / MAX_STEPS_PER_FRAME as f64,
         is_stiffness_constant: forces.iter().all(|force| force.has_constant_bounds()),
         tolerance,

@@ -1,7 +1,8 @@
 //! What changes during a run.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Points;
-use crate::integrate::StepMemory;
 
 /// Time, positions and velocities of all particles: what a method needs to go on, and nothing else.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,37 @@ pub struct State {
     pub step_memory: StepMemory,
     /// What [limits](crate::limit) did in that step.
     pub limit_work: LimitWork,
+}
+
+/// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepMemory {
+    /// The latest step [s], had no frame been near; zero before the first.
+    pub(crate) ideal_step: f64,
+    /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
+    pub(crate) tolerated_step: f64,
+    /// Largest frequency at which the motion's energy oscillates, relative to the fastest of any motion [1], over this span
+    /// of steps and the span before.
+    pub(crate) energetic_shares: [f64; 2],
+    /// Steps of this span so far.
+    pub(crate) span_steps: u32,
+    /// Largest kinetic energy [J] so far.
+    pub(crate) peak_kinetic_energy: f64,
+    /// What was measured in the latest step.
+    pub(crate) motion: Motion,
+}
+
+/// Energies of the motion in one step, of the free particles alone.
+///
+/// F are the forces where the step begins, v⁻ and v⁺ the velocities in the middle of the step before and of this one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// ½ Σ m v⁺² [J].
+    pub kinetic_energy: f64,
+    /// Σ F · v⁻ [W].
+    pub power_before: f64,
+    /// Σ F · v⁺ [W].
+    pub power_after: f64,
 }
 
 /// Work [J] of limits on the particles in one step; zero where there are none.

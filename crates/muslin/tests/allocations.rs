@@ -7,7 +7,7 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, simulation, workers};
+use common::{AirNumbers, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, simulation, workers};
 use muslin::observe::{Frame, Observer, Recorder};
 use muslin::{Model, State};
 
@@ -102,6 +102,7 @@ fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32
             direction: [0.0, 0.0, 1.0],
             noise: [0.0; 2],
         }],
+        airs: vec![AirNumbers::steady([1.0, 0.0, 2.0], [1.5, 0.05])],
         cloths: vec![ClothNumbers {
             columns,
             rows,
@@ -132,8 +133,8 @@ fn assert_no_requests(threads: usize) {
     assert_eq!(requests.intervals[1..], [0; 119], "requests for memory on {threads} threads");
 }
 
-/// 600 MB is what a million particles may take; five arrays of vectors, two of them of the wind's work, and five of
-/// numbers are 177 MB.
+/// 600 MB is what a million particles may take; seven arrays of vectors, three of them of the wind's work, and five of
+/// numbers are 225 MB.
 fn assert_memory_of_a_million_particles() {
     let before = LIVE.load(Ordering::Relaxed);
     PEAK.store(before, Ordering::Relaxed);

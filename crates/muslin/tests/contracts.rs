@@ -122,7 +122,12 @@ fn largest_strains_are_the_same_by_both_ways() {
         let mut simulation = numbers.simulation();
         finish(&mut simulation, &mut Recorder::default());
         let (model, state) = (simulation.model(), simulation.frame().state);
-        let at = Configuration { time: 0.0, particles: model.particles(), positions: &state.positions };
+        let at = Configuration {
+            time: 0.0,
+            particles: model.particles(),
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
         let (mut sums, mut maxima) = ([StrainSums::default(); 3], [f64::NEG_INFINITY; 3]);
         for force in model.forces() {
             force.add_strains(at, &mut sums);

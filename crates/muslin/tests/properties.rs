@@ -3,7 +3,7 @@
 mod common;
 
 use common::random_scene::{random_law_scene, random_limit_scene};
-use common::{CURVE, Random, SceneNumbers, finish, max_distance, model_and_state};
+use common::{AirNumbers, CURVE, Random, SceneNumbers, finish, max_distance, model_and_state};
 use glam::{DQuat, DVec3};
 use muslin::force::{Configuration, PotentialEnergies};
 use muslin::integrate::{
@@ -47,6 +47,10 @@ fn with_vectors(
     let mut changed = numbers.clone();
     apply(&mut changed.gravity, &vector);
     changed.winds.iter_mut().for_each(|wind| apply(&mut wind.direction, &vector));
+    for air in &mut changed.airs {
+        apply(&mut air.velocity, &vector);
+        apply(&mut air.gust.direction, &vector);
+    }
     for cloth in &mut changed.cloths {
         apply(&mut cloth.width_axis, &vector);
         apply(&mut cloth.height_axis, &vector);
@@ -143,6 +147,13 @@ proptest! {
             wind.amplitude *= mass * length / (time * time);
             wind.angular_frequency /= time;
         }
+        for AirNumbers { velocity, gust, density, .. } in &mut other.airs {
+            *velocity = velocity.map(|velocity| velocity * length / time);
+            gust.amplitude *= length / time;
+            gust.angular_frequency /= time;
+            gust.noise = [gust.noise[0] * length / time, gust.noise[1] * time];
+            *density *= mass / (length * length * length);
+        }
         for cloth in &mut other.cloths {
             cloth.width *= length;
             cloth.height *= length;
@@ -169,17 +180,25 @@ fn crumpled(numbers: &SceneNumbers) -> (Model, State, f64) {
     (model, state, size)
 }
 
-fn at<'a>(model: &'a Model, positions: &'a Points) -> Configuration<'a> {
-    Configuration { time: 0.3, particles: model.particles(), positions }
+fn at<'a>(model: &'a Model, positions: &'a Points, velocities: &'a Points) -> Configuration<'a> {
+    Configuration { time: 0.3, particles: model.particles(), positions, velocities }
+}
+
+/// Forces [N] on all particles at rest.
+fn forces(model: &Model, positions: &Points) -> Points {
+    forces_in_motion(model, positions, &Points::zeros(positions.len()))
 }
 
 /// Forces [N] on all particles.
-fn forces(model: &Model, positions: &Points) -> Points {
+fn forces_in_motion(model: &Model, positions: &Points, velocities: &Points) -> Points {
     let mut forces = Points::zeros(positions.len());
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
-        model.forces().iter().for_each(|force| force.add_forces(at(model, positions), block, &mut own));
+        model
+            .forces()
+            .iter()
+            .for_each(|force| force.add_forces(at(model, positions, velocities), block, &mut own));
         rest = others;
     }
     forces
@@ -187,12 +206,12 @@ fn forces(model: &Model, positions: &Points) -> Points {
 
 /// K u [N] for all particles.
 fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -> Points {
-    let mut products = Points::zeros(positions.len());
+    let (mut products, none) = (Points::zeros(positions.len()), Points::default());
     let mut rest = products.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
         for force in model.forces() {
-            force.add_tangent_products(at(model, positions), displacements, block, &mut own);
+            force.add_tangent_products(at(model, positions, &none), displacements, block, &mut own);
         }
         rest = others;
     }
@@ -201,8 +220,8 @@ fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -
 
 /// Potential energy [J] of everything.
 fn energy(model: &Model, positions: &Points) -> f64 {
-    let mut energies = PotentialEnergies::default();
-    model.forces().iter().for_each(|force| force.add_energies(at(model, positions), &mut energies));
+    let (mut energies, none) = (PotentialEnergies::default(), Points::default());
+    model.forces().iter().for_each(|force| force.add_energies(at(model, positions, &none), &mut energies));
     energies.elastic.iter().sum::<f64>() + energies.gravitational
 }
 
@@ -223,7 +242,7 @@ proptest! {
     /// k ℓ for δ = 1e-5 ℓ, and by the rounding of the energy, ε E / δ; the energy of 64 particles is below 64 k ℓ² + m g x.
     #[test]
     fn forces_are_the_gradient_of_the_energy(numbers in random_law_scene()) {
-        let numbers = SceneNumbers { winds: Vec::new(), ..numbers };
+        let numbers = SceneNumbers { winds: Vec::new(), airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let forces = forces(&model, &state.positions);
         let delta = 1e-5 * size;
@@ -250,6 +269,8 @@ proptest! {
     /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
+        // Air has no tangent: it is not stiff, and its derivative is not symmetric.
+        let numbers = SceneNumbers { airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let direction = Random::new(8).points(state.positions.len(), 1.0);
         let products = tangent_products(&model, &state.positions, &direction);
@@ -278,7 +299,7 @@ proptest! {
     /// Without gravity and wind nothing but springs acts: neither a net force nor a net moment.
     #[test]
     fn springs_exert_no_net_force(numbers in random_law_scene()) {
-        let numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), ..numbers };
+        let numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), airs: Vec::new(), ..numbers };
         let (model, state, size) = crumpled(&numbers);
         let forces = forces(&model, &state.positions);
         let sum: DVec3 = forces.iter().sum();
@@ -314,7 +335,7 @@ proptest! {
     /// With no pins, drag, gravity or wind, linear momentum stays: a few roundings of its terms per step.
     #[test]
     fn momentum_stays(numbers in random_law_scene()) {
-        let mut numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), ..numbers };
+        let mut numbers = SceneNumbers { gravity: [0.0; 3], winds: Vec::new(), airs: Vec::new(), ..numbers };
         numbers.cloths[0].pins.clear();
         numbers.cloths[0].drag = 0.0;
         let (model, mut state, _) = crumpled(&numbers);

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings, LimitSettings,
-    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
-    SpringSettings, Start, StepRule, WindSettings,
+    AirSettings, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings,
+    GustSettings, LimitSettings, Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene,
+    SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -25,20 +25,33 @@ fn every_value_of_a_complete_scene_is_read() {
     assert_eq!(
         scene.environment().winds,
         [
-            WindSettings::ParticleForce {
+            WindSettings::ParticleForce(GustSettings {
                 amplitude: 0.002,
                 angular_frequency: 6.0,
                 phase: -0.5,
                 direction: DVec3::Z,
                 noise: Some(NoiseSettings { deviation: 0.0005, time: 0.05 }),
-            },
-            WindSettings::ParticleForce {
+            }),
+            WindSettings::Aerodynamic(AirSettings {
+                velocity: DVec3::new(3.0, 0.0, -4.0),
+                gust: Some(GustSettings {
+                    amplitude: 0.5,
+                    angular_frequency: 2.0,
+                    phase: 0.25,
+                    direction: DVec3::Y,
+                    noise: Some(NoiseSettings { deviation: 0.4, time: 0.3 }),
+                }),
+                air_density: 1.2,
+                normal_coefficient: 1.5,
+                tangential_coefficient: 0.05,
+            }),
+            WindSettings::ParticleForce(GustSettings {
                 amplitude: 1.0,
                 angular_frequency: 0.0,
                 phase: 1.5,
                 direction: DVec3::new(0.6, 0.0, -0.8),
                 noise: None,
-            },
+            }),
         ]
     );
 
@@ -91,11 +104,12 @@ fn every_value_of_a_complete_scene_is_read() {
 }
 
 #[test]
-fn a_scene_warns_of_its_limits() {
+fn a_scene_warns_of_what_its_reader_must_know() {
     let scene = Scene::parse(COMPLETE).expect("a good scene");
     assert_eq!(
         scene.warnings(),
         [
+            "the cloth `糸` has one row or column and so no faces, on which alone an aerodynamic wind acts",
             "`fabric.paper.limit` shortens springs that are too long after each step, so where it acts the motion \
              depends on the step",
             "`fabric.\"stiff paper\".limit` shortens every stretched spring after each step, so the motion depends \
@@ -119,4 +133,30 @@ fn a_short_scene_has_the_stated_defaults() {
     assert_eq!((fabric.force_direction, fabric.limit), (ForceDirection::CurrentLength, None));
     assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
     assert!(scene.cloths()[0].pins.is_empty());
+}
+
+/// An aerodynamic wind has sine and noise along its mean velocity unless it says otherwise; and needs neither.
+#[test]
+fn a_steady_wind_and_the_direction_of_a_gust() {
+    let gust = |keys: &str| {
+        let wind = format!(
+            "wind = [{{ law = 'aerodynamic', air_density = 1.2, normal_coefficient = 1.5, tangential_coefficient = 0, {keys} }}]"
+        );
+        let gravity = "gravity = [0, 0, 0]";
+        let text = include_str!("scenes/short.toml").replace(gravity, &format!("{gravity}, {wind}"));
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render("wind", &text)));
+        let [WindSettings::Aerodynamic(air)] = scene.environment().winds[..] else { panic!("one wind") };
+        air.gust
+    };
+    let sine = "amplitude = 1, angular_frequency = 2, phase = 0";
+    assert_eq!(gust("velocity = [0, 0, 0]"), None);
+    assert_eq!(gust("velocity = [0, 3, 4], noise = 0, noise_time = 0"), None);
+    assert_eq!(gust("velocity = [0, 3, 4], direction = [1, 0, 0]"), None);
+    let direction = |keys: &str| gust(keys).map(|gust| gust.direction);
+    assert_eq!(direction(&format!("velocity = [0, 3, 4], {sine}")), Some(DVec3::new(0.0, 0.6, 0.8)));
+    assert_eq!(
+        direction(&format!("velocity = [0, 0, 0], {sine}, direction = [0, 0, -2]")),
+        Some(DVec3::NEG_Z)
+    );
+    assert_eq!(direction("velocity = [5, 0, 0], noise = 0.1, noise_time = 1"), Some(DVec3::X));
 }

@@ -6,12 +6,13 @@ use muslin::scene::{JSON_SCHEMA, Scene, SceneErrorKind, set_value};
 use serde_json::Value;
 
 /// Where a complete scene has each object of the schema.
-const OBJECTS: [(&str, &str); 15] = [
+const OBJECTS: [(&str, &str); 16] = [
     ("", ""),
     ("/$defs/run", "run."),
     ("/$defs/step", "run.step."),
     ("/$defs/environment", "environment."),
-    ("/$defs/wind", "environment.wind.0."),
+    ("/$defs/particle_wind", "environment.wind.0."),
+    ("/$defs/aerodynamic_wind", "environment.wind.1."),
     ("/$defs/fabric", "fabric.paper."),
     ("/$defs/springs", "fabric.paper.shear."),
     ("/$defs/limit", "fabric.paper.limit."),
@@ -74,10 +75,11 @@ fn schema_and_parser_require_the_same_keys() {
                 matches!(error.kind(), SceneErrorKind::Missing { key: missing, .. } if *missing == format!("{path}{key}"))
             });
             // Required because the grid has more than one column and row, the wind noise, the law a stiffness; because the
-            // limit is a cut-off and the motion a sine.
+            // limit is a cut-off and the motion a sine; and because it has the other keys of a sine.
             let conditional =
                 ["width", "height", "noise_time", "stiffness", "strain", "axis", "amplitude", "frequency"];
-            let conditional = conditional.contains(&key);
+            let of_sine = ["amplitude", "angular_frequency", "phase"].contains(&key);
+            let conditional = conditional.contains(&key) || (pointer == "/$defs/aerodynamic_wind" && of_sine);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");
         }
     }

@@ -70,6 +70,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
             Item::Figure(strain_figure(&all)),
             Item::Figure(step_figure(&all)),
             Item::Figure(energy_figure(&all)),
+            Item::Figure(taken_figure(&all)),
             Item::Table(table(&all)),
             Item::Terms(all.iter().map(verdict).collect()),
             Item::text(DEFAULT),
@@ -206,6 +207,32 @@ fn energy_figure(all: &[Runs]) -> Figure {
         content: Content::Plot(Plot {
             x: Axis::linear("time [s]"),
             y: Axis::logarithmic("missing energy [1]"),
+            series: series.collect(),
+        }),
+    }
+}
+
+/// What limits take, which laws of tension do not.
+fn taken_figure(all: &[Runs]) -> Figure {
+    let limits = all.iter().filter(|runs| !runs.reading.converges);
+    let series = limits.flat_map(|runs| {
+        let ends =
+            [(runs.outcomes.first(), "h", Style::Line), (runs.outcomes.last(), "h / 16", Style::Guide)];
+        ends.into_iter().filter_map(|(outcome, step, style)| {
+            let outcome = outcome?;
+            let scale = outcome.largest_change();
+            let points = outcome.energies().map(|(time, terms)| [time, 100.0 * terms.limit_loss / scale]);
+            Some(Series::new(format!("{}, {step}", runs.reading.name), runs.reading.colour, style, points))
+        })
+    });
+    Figure {
+        name: "figure-4-taken",
+        caption: "Energy that a limit has taken from the cloth, relative to the largest change of any term of the ledger, at the longest \
+                  step h and at the shortest. The laws of tension take none."
+            .to_owned(),
+        content: Content::Plot(Plot {
+            x: Axis::linear("time [s]"),
+            y: Axis::linear("energy taken [%]"),
             series: series.collect(),
         }),
     }

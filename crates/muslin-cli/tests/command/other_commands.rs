@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use crate::work::{Work, exists};
 
-const NAMES: [&str; 6] = ["hanging", "hanging-tangent", "hanging-100", "flag", "free-fall", "pendulum"];
+const NAMES: [&str; 7] =
+    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "pendulum"];
 
 #[test]
 fn check_tells_what_a_run_would_be() {
@@ -25,7 +26,7 @@ Small cloth
   step                 5.00 ms (5.000000000000e-3 s), 100 of them
   largest stable step  30.1 ms in the initial shape
   stable for certain   19.7 ms (Gershgorin)
-  suggested            step = { constant = 2.500000000000e-2 }"
+  suggested            step = { constant = 2.500000000000e-2 }, or \"adaptive\""
     );
     assert!(measured[0].starts_with("  estimated cost       "), "{}", measured[0]);
     // 11 frames of 20 particles with positions and velocities of 24 bytes each.
@@ -57,7 +58,7 @@ fn every_new_scene_runs() {
     }
     work.muslin("new curtain").assert_failure(
         2,
-        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, free-fall, \
+        "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, flag-flutter, free-fall, \
          pendulum",
     );
 }

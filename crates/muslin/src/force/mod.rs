@@ -3,8 +3,10 @@
 //! A [`Force`] is asked for whole blocks of particles, never for one. It *gathers*: what it adds to a particle it
 //! computes from that particle's neighbours in a fixed order, so that no division of work among threads changes a sum.
 
+mod aerodynamic;
 mod gravity;
 mod grid_springs;
+mod gust;
 mod law;
 mod noise;
 mod spring;
@@ -13,8 +15,10 @@ mod wind;
 use std::fmt;
 use std::ops::Range;
 
+pub use aerodynamic::AerodynamicWind;
 pub use gravity::Gravity;
 pub use grid_springs::GridSprings;
+pub use gust::Gust;
 pub use law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
 pub use noise::{Noise, RandomStream};
 pub use spring::Spring;
@@ -23,7 +27,7 @@ pub use wind::ParticleWind;
 use crate::model::Particles;
 use crate::{Points, PointsMut};
 
-/// Where all particles are at one time, and what they are.
+/// Where all particles are at one time, how they move, and what they are.
 #[derive(Clone, Copy, Debug)]
 pub struct Configuration<'a> {
     /// Simulated time [s].
@@ -32,6 +36,9 @@ pub struct Configuration<'a> {
     pub particles: &'a Particles,
     /// Positions [m], one per particle.
     pub positions: &'a Points,
+    /// Velocities [m/s] at that time, one per particle. Only forces that [depend on them](Force::depends_on_velocity) and
+    /// bounds on damping look at them; whoever asks for neither may leave them empty.
+    pub velocities: &'a Points,
 }
 
 /// A family of springs.
@@ -154,6 +161,20 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// The longest step [s] that follows how the force changes in time by itself; +∞ if it does not.
     fn longest_step(&self) -> f64 {
         f64::INFINITY
+    }
+
+    /// Whether the force is a function of velocities, too.
+    ///
+    /// A method that keeps velocities of other times then has to find those of the state's time, which costs something.
+    fn depends_on_velocity(&self) -> bool {
+        false
+    }
+
+    /// Adds a bound [kg/s] on the sum of the norms of each particle's row of the damping `D = −∂F/∂v`.
+    ///
+    /// With a step h and masses m, an explicit method has to keep `h · bound / m` of the order of one.
+    fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        let _ = (at, block, bounds);
     }
 
     /// Adds the potential energy [J] of all particles, if the force has one.

@@ -1,14 +1,9 @@
-//! Wind.
+//! The paper's wind.
 
 use std::ops::Range;
 
-use glam::DVec3;
-
-use super::{Configuration, Force, Noise};
+use super::{Configuration, Force, Gust};
 use crate::PointsMut;
-
-/// Steps at least in one period of a gust: the error of its impulse is then below 1 %.
-const STEPS_PER_PERIOD: f64 = 20.0;
 
 /// The paper's wind: the same force on every particle, wherever it is and whatever way the cloth faces.
 ///
@@ -21,30 +16,13 @@ const STEPS_PER_PERIOD: f64 = 20.0;
 /// Mass-Spring Model", section 2, whose ω is called a period but multiplies the time, and whose ε is printed without its correlation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParticleWind {
-    /// Amplitude A [N].
-    pub amplitude: f64,
-    /// Angular frequency ω [rad/s].
-    pub angular_frequency: f64,
-    /// Phase φ [rad].
-    pub phase: f64,
-    /// Direction d [1], of unit length.
-    pub direction: DVec3,
-    /// Random part ε of the strength [N], if there is one.
-    pub noise: Option<Noise>,
-}
-
-impl ParticleWind {
-    /// Force [N] on every particle at `time` [s].
-    #[must_use]
-    pub fn force(&self, time: f64) -> DVec3 {
-        let sine = self.amplitude * libm::sin(self.angular_frequency * time + self.phase);
-        self.direction * (sine + self.noise.as_ref().map_or(0.0, |noise| noise.value(time)))
-    }
+    /// Force [N] on every particle.
+    pub force: Gust,
 }
 
 impl Force for ParticleWind {
     fn add_forces(&self, at: Configuration<'_>, _block: &Range<usize>, forces: &mut PointsMut<'_>) {
-        let force = self.force(at.time);
+        let force = self.force.value(at.time);
         forces.x.iter_mut().for_each(|value| *value += force.x);
         forces.y.iter_mut().for_each(|value| *value += force.y);
         forces.z.iter_mut().for_each(|value| *value += force.z);
@@ -59,8 +37,6 @@ impl Force for ParticleWind {
     }
 
     fn longest_step(&self) -> f64 {
-        let period = std::f64::consts::TAU / self.angular_frequency;
-        let noise = self.noise.as_ref().map_or(f64::INFINITY, Noise::longest_step);
-        (period / STEPS_PER_PERIOD).min(noise)
+        self.force.longest_step()
     }
 }

@@ -1,8 +1,6 @@
 //! The self-adaptive time step.
 
-use serde::{Deserialize, Serialize};
-
-use super::Motion;
+use crate::state::{Motion, StepMemory};
 
 /// Share of the guaranteed stable step [1] that is taken where the stiffness can change.
 const STABLE_SHARE: f64 = 0.8;
@@ -17,12 +15,12 @@ const REJECTED_SHARE: f64 = 0.95;
 const REJECTED_GROWTH: f64 = 3.0;
 
 /// Largest product of the step and the frequency at which the motion's energy oscillates [1]. The energy of central
-/// differences is then kept to a sixth of its square, 1.5e-4 of the kinetic energy.
-const ENERGY_ACCURACY: f64 = 0.03;
+/// differences is then kept to a sixth of its square, 6e-4 of the kinetic energy.
+const ENERGY_ACCURACY: f64 = 0.06;
 
 /// Steps of one span of memory. A motion of the very frequency that limits the step turns by [`ENERGY_ACCURACY`] in each, so
 /// that this is more than half of its period, after which it is as fast again.
-const SPAN_STEPS: u32 = 130;
+const SPAN_STEPS: u32 = 65;
 
 /// Share before the first step [1], when nothing is known of the motion to come, and the steps for which it is remembered.
 const INITIAL_SHARE: f64 = 1.0;
@@ -33,24 +31,6 @@ const BALANCE: f64 = 0.8;
 
 /// Growth and shrinkage of the step at once at most where a tolerance rules it [1].
 const TOLERANCE_CHANGE: [f64; 2] = [0.3, 1.5];
-
-/// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepMemory {
-    /// The latest step [s], had no frame been near; zero before the first.
-    ideal_step: f64,
-    /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
-    tolerated_step: f64,
-    /// Largest frequency at which the motion's energy oscillates, relative to the fastest of any motion [1], over this span
-    /// of steps and the span before.
-    energetic_shares: [f64; 2],
-    /// Steps of this span so far.
-    span_steps: u32,
-    /// Largest kinetic energy [J] so far.
-    peak_kinetic_energy: f64,
-    /// What was measured in the latest step.
-    motion: Motion,
-}
 
 impl Default for StepMemory {
     /// Before the first step.
@@ -70,11 +50,6 @@ impl StepMemory {
     fn energetic_share(&self) -> f64 {
         self.energetic_shares[0].max(self.energetic_shares[1])
     }
-
-    /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
-    pub(crate) fn tolerated_step(&self) -> f64 {
-        self.tolerated_step
-    }
 }
 
 /// The rule for an adaptive step.
@@ -83,7 +58,7 @@ impl StepMemory {
 /// [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)) it asks for
 ///
 /// ```text
-/// H = min(0.8 · 2/ω, 0.03 / ω_E, longest step that any force or drag allows)
+/// H = min(0.8 · 2/ω, 0.06 / ω_E, longest step that any force or drag allows)
 /// ```
 ///
 /// **Stability.** 2/ω is the limit of central differences. Where the bound cannot change (Hooke's law) the share is 0.95.
@@ -116,8 +91,9 @@ impl StepMemory {
 ///
 /// **Frames** are hit exactly: the rest of the frame is divided by the number of steps that it needs.
 ///
-/// Sources: Holder, Leimkuhler, Reich, "Explicit variable step-size and time-reversible integration", 2001, for the
-/// balance. The paper names a "self-adaptive" step without saying what it is.
+/// The paper names a "self-adaptive" step without saying what it is; this one is ours. That a step chosen from the past
+/// alone destroys the symmetry in time, and with it the long-term energy, is what Hairer and Söderlind, "Explicit, time
+/// reversible, adaptive step size control", 2005, say in their abstract.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveStep {
     /// Time from frame to frame [s].
@@ -245,9 +221,9 @@ mod tests {
     /// The rule is the same backwards: from h⁺ and the same H it gives h⁻.
     #[test]
     fn the_rule_is_reversible_where_it_is_not_clamped() {
-        let memory = StepMemory { ideal_step: 2.1e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
+        let memory = StepMemory { ideal_step: 3.1e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
         let next = RULE.ideal_step(&memory, 0.01);
-        assert!((next - 1.0 / (2.0 / 2e-4 - 1.0 / 2.1e-4)).abs() < 1e-18, "{next}");
+        assert!((next - 1.0 / (2.0 / 3e-4 - 1.0 / 3.1e-4)).abs() < 1e-18, "{next}");
         let back = RULE.ideal_step(&StepMemory { ideal_step: next, ..memory }, 0.01);
         assert!((back - memory.ideal_step).abs() < 1e-18, "{back}");
     }
@@ -260,11 +236,11 @@ mod tests {
         assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
     }
 
-    /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.03 steps.
+    /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.06 steps.
     #[test]
     fn a_motion_of_the_fastest_mode_is_resolved() {
         let mut memory = StepMemory::default();
-        let (omega, step) = (50.0_f64, 1e-4);
+        let (omega, step) = (50.0_f64, 1.2e-3);
         let motion = |n: f64| {
             // v = cos ωt in the middle of step n, F = −ω sin ωt at its ends, m = 1.
             let v = (omega * (n + 0.5) * step).cos();
@@ -272,10 +248,10 @@ mod tests {
             let force = -omega * (omega * n * step).sin();
             Motion { kinetic_energy: 0.5 * v * v, power_before: v_before * force, power_after: v * force }
         };
-        for n in 0..1000 {
+        for n in 0..500 {
             RULE.remember(&mut memory, step, motion(f64::from(n)), step, 2.0 / omega);
         }
-        assert!((memory.energetic_share() - 1.0).abs() < 1e-3, "{}", memory.energetic_share());
+        assert!((memory.energetic_share() - 1.0).abs() < 2e-3, "{}", memory.energetic_share());
         let ideal = RULE.ideal_step(&StepMemory { ideal_step: 0.0, ..memory }, 2.0 / omega);
         assert!((ideal * omega - ENERGY_ACCURACY).abs() < 1e-4, "{}", ideal * omega);
     }

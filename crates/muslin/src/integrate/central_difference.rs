@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use super::limits::Limiter;
 use super::pins::place_pins;
-use super::stability::{larger, largest_frequency_squared, stable_step};
-use super::{Integrator, Motion, StepError, Workers};
+use super::stability::{larger, largest_damping_rate, largest_frequency_squared, stable_step};
+use super::{Integrator, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
 use crate::points::sum_in_lanes;
 use crate::scene::Start;
-use crate::{Model, Points, PointsMut, State};
+use crate::{Model, Motion, Points, PointsMut, State};
 
 /// Explicit central differences in half-step velocities, for steps of any size in any order.
 ///
@@ -25,6 +25,11 @@ use crate::{Model, Points, PointsMut, State};
 /// For h⁻ = h⁺ = h this is v⁺ = [(2m − k_d h) v⁻ + 2h F] / (2m + k_d h), the paper's equation (5) in exact arithmetic:
 /// (B + C) S⁺ = 2B S − (B − C) S⁻ + F with B = m/h², C = k_d/2h. It is of second order in the step, and stable as long
 /// as ω h < 2 for the fastest mode ω, whatever the drag; but above k_d h = 2m velocities change sign from step to step.
+///
+/// # Forces that depend on velocities
+/// They need v at S, which in turn needs them. A first v comes from the forces with v⁻ in place of v; forces with that v are
+/// then those of the step. They are wrong by O(h²), as the first v is, so the method stays of second order. Only models
+/// with such forces pay for it. With damping −c v it is stable for c h ≤ 2m, like the midpoint rule.
 ///
 /// # Start
 /// h⁻ = 0 with v⁻ the initial velocity is the consistent start, S₁ = S₀ + h v₀ + h²/2m (F₀ − k_d v₀). The paper's
@@ -41,6 +46,9 @@ pub struct CentralDifference {
     earlier_forces: Option<Points>,
     stiffness_bounds: Vec<f64>,
     limiter: Limiter,
+    /// Velocities [m/s] at the state's time, for forces that depend on them.
+    velocities: Points,
+    damping_bounds: Vec<f64>,
 }
 
 impl CentralDifference {
@@ -53,6 +61,8 @@ impl CentralDifference {
             earlier_forces: None,
             stiffness_bounds: Vec::new(),
             limiter: Limiter::default(),
+            velocities: Points::default(),
+            damping_bounds: Vec::new(),
         }
     }
 
@@ -75,6 +85,48 @@ impl CentralDifference {
         if self.forces.len() != count {
             self.forces = Points::zeros(count);
         }
+    }
+
+    /// Adds the forces [N] that depend on velocities to all others, which are there already; the velocities of `at` are
+    /// half of `last_step` [s] older than its positions.
+    fn add_velocity_forces(&mut self, model: &Model, at: Configuration<'_>, last_step: f64) {
+        if self.velocities.len() != at.positions.len() {
+            self.velocities = Points::zeros(at.positions.len());
+        }
+        let moving = || model.forces().iter().filter(|force| force.depends_on_velocity());
+        let other_forces = &self.forces;
+        let predict_block = |block: &Range<usize>, mut velocities: PointsMut<'_>| {
+            // First the forces, then in their place the velocities.
+            velocities.fill(0.0);
+            moving().for_each(|force| force.add_forces(at, block, &mut velocities));
+            for (values, forces, old) in [
+                (velocities.x, &other_forces.x, &at.velocities.x),
+                (velocities.y, &other_forces.y, &at.velocities.y),
+                (velocities.z, &other_forces.z, &at.velocities.z),
+            ] {
+                for (value, particle) in values.iter_mut().zip(block.clone()) {
+                    let force = forces[particle] + *value;
+                    *value = velocity_at_state(at.particles, particle, old[particle], force, last_step);
+                }
+            }
+        };
+        self.workers.for_blocks(model.blocks(), self.velocities.as_mut(), &predict_block, &|(), ()| ());
+        model.moving_pins().eval_velocities(at.time, &mut self.velocities);
+        let at = Configuration { velocities: &self.velocities, ..at };
+        let add_block = |block: &Range<usize>, mut forces: PointsMut<'_>| {
+            moving().for_each(|force| force.add_forces(at, block, &mut forces));
+        };
+        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &add_block, &|(), ()| ());
+    }
+
+    /// The largest of damping bound / mass [1/s] after [`add_velocity_forces`](Self::add_velocity_forces).
+    fn largest_damping_rate(&mut self, model: &Model, state: &State) -> f64 {
+        self.damping_bounds.resize(state.positions.len(), 0.0);
+        let at = Configuration { velocities: &self.velocities, ..configuration(model, state) };
+        let eval_block =
+            |block: &Range<usize>, bounds: &mut [f64]| largest_damping_rate(model, at, block, bounds);
+        let bounds = self.damping_bounds.as_mut_slice();
+        self.workers.for_blocks(model.blocks(), bounds, &eval_block, &larger).unwrap_or(0.0)
     }
 
     fn move_all(
@@ -103,15 +155,41 @@ impl CentralDifference {
     }
 }
 
-/// Overwrites `forces` [N] of a block.
+/// `state` as forces see it, with velocities half a step old.
+fn configuration<'a>(model: &'a Model, state: &'a State) -> Configuration<'a> {
+    Configuration {
+        time: state.time,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+    }
+}
+
+/// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
+/// the `force` [N] at the state's time; a pin keeps its own.
+fn velocity_at_state(
+    particles: &Particles,
+    particle: usize,
+    velocity: f64,
+    force: f64,
+    last_step: f64,
+) -> f64 {
+    if particles.pinned()[particle] {
+        return velocity;
+    }
+    let twice_mass = 2.0 * particles.masses()[particle];
+    (twice_mass * velocity + last_step * force) / (twice_mass + particles.drags()[particle] * last_step)
+}
+
+/// Overwrites `forces` [N] of a block with those that do not depend on velocities.
 fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut forces: PointsMut<'_>) {
     forces.fill(0.0);
-    for force in model.forces() {
+    for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
         force.add_forces(at, block, &mut forces);
     }
 }
 
-/// Overwrites `forces` [N] and stiffness `bounds` [N/m] of a block; the largest of bound / mass [1/s²].
+/// The same, and the stiffness `bounds` [N/m] of all forces; the largest of bound / mass [1/s²].
 fn eval_block_and_bounds(
     model: &Model,
     at: Configuration<'_>,
@@ -121,7 +199,11 @@ fn eval_block_and_bounds(
     forces.fill(0.0);
     bounds.fill(0.0);
     for force in model.forces() {
-        force.add_forces_and_bounds(at, block, &mut forces, bounds);
+        if force.depends_on_velocity() {
+            force.add_stiffness_bounds(at, block, bounds);
+        } else {
+            force.add_forces_and_bounds(at, block, &mut forces, bounds);
+        }
     }
     largest_frequency_squared(model.particles(), block, bounds)
 }
@@ -230,23 +312,29 @@ fn power(forces: &[f64], velocities: &[f64], factors: &Factors) -> f64 {
 impl Integrator for CentralDifference {
     fn eval_forces(&mut self, model: &Model, state: &State) {
         self.next_forces(state.positions.len());
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let at = configuration(model, state);
         let eval_block = |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces);
         self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &eval_block, &|(), ()| ());
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, at, state.last_step);
+        }
     }
 
     fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
         self.next_forces(state.positions.len());
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let at = configuration(model, state);
         let eval_block = |block: &Range<usize>, arrays: (PointsMut<'_>, &mut [f64])| {
             eval_block_and_bounds(model, at, block, arrays)
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
         let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger);
-        stable_step(largest.unwrap_or(0.0))
+        let mut damping = 0.0;
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, at, state.last_step);
+            damping = self.largest_damping_rate(model, state);
+        }
+        stable_step(largest.unwrap_or(0.0), damping)
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
@@ -292,11 +380,8 @@ impl Integrator for CentralDifference {
             let axes = [(velocities.x, &forces.x), (velocities.y, &forces.y), (velocities.z, &forces.z)];
             for (velocities, forces) in axes {
                 for (velocity, particle) in velocities.iter_mut().zip(block.clone()) {
-                    if !particles.pinned()[particle] {
-                        let twice_mass = 2.0 * particles.masses()[particle];
-                        let gain = twice_mass * *velocity + state.last_step * forces[particle];
-                        *velocity = gain / (twice_mass + particles.drags()[particle] * state.last_step);
-                    }
+                    let force = forces[particle];
+                    *velocity = velocity_at_state(particles, particle, *velocity, force, state.last_step);
                 }
             }
         };

@@ -7,13 +7,12 @@ mod pins;
 mod stability;
 mod workers;
 
-pub use adaptive_step::{AdaptiveStep, StepMemory};
+pub use adaptive_step::AdaptiveStep;
 pub use central_difference::CentralDifference;
-use serde::{Deserialize, Serialize};
 pub use stability::{guaranteed_stable_step, largest_stable_step};
 pub use workers::{SplitArrays, Workers};
 
-use crate::{Model, Points, State};
+use crate::{Model, Motion, Points, State};
 
 /// A method of numerical integration.
 ///
@@ -74,19 +73,6 @@ pub trait Integrator: Send {
         self.eval_forces(model, state);
         self.velocities(model, state, velocities);
     }
-}
-
-/// Energies of the motion in one step, of the free particles alone.
-///
-/// F are the forces where the step begins, v⁻ and v⁺ the velocities in the middle of the step before and of this one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
-    /// ½ Σ m v⁺² [J].
-    pub kinetic_energy: f64,
-    /// Σ F · v⁻ [W].
-    pub power_before: f64,
-    /// Σ F · v⁺ [W].
-    pub power_after: f64,
 }
 
 /// Why a step failed.

@@ -15,9 +15,9 @@ pub use particles::Particles;
 pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
-use crate::force::{Force, Gravity, GridSprings, Noise, ParticleWind, RandomStream};
+use crate::force::{AerodynamicWind, Force, Gravity, GridSprings, Gust, Noise, ParticleWind, RandomStream};
 use crate::limit::{GridLimit, Limit};
-use crate::scene::{Fabric, NoiseSettings, PinPlace, Scene, WindSettings};
+use crate::scene::{Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings};
 use crate::{Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
@@ -86,14 +86,8 @@ impl Model {
             }
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
-        for (index, wind) in environment.winds.iter().enumerate() {
-            let WindSettings::ParticleForce { amplitude, angular_frequency, phase, direction, noise } = *wind;
-            let noise = noise.map(|NoiseSettings { deviation, time }| {
-                let stream = RandomStream::new(scene.run().seed, &format!("environment.wind.{index}.noise"));
-                Noise::new(deviation, time, scene.run().duration, stream)
-            });
-            forces.push(Box::new(ParticleWind { amplitude, angular_frequency, phase, direction, noise }));
-        }
+        let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
+        forces.extend(winds(&environment.winds, scene.run(), &grids));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
         Self { particles, moving_pins, cloths, forces, limits, blocks }
     }
@@ -126,6 +120,12 @@ impl Model {
     #[must_use]
     pub fn limits(&self) -> &[Box<dyn Limit>] {
         &self.limits
+    }
+
+    /// Whether any force is a function of velocities.
+    #[must_use]
+    pub fn depends_on_velocity(&self) -> bool {
+        self.forces.iter().any(|force| force.depends_on_velocity())
     }
 
     /// Ranges of particles that are worked on as one.
@@ -174,4 +174,41 @@ impl Model {
         }
         counts
     }
+}
+
+/// The forces of all winds: one for each on particles, and one for all that push faces, whose velocities add up.
+fn winds(settings: &[WindSettings], run: &RunSettings, grids: &[Grid]) -> Vec<Box<dyn Force>> {
+    let mut forces: Vec<Box<dyn Force>> = Vec::new();
+    let mut air: Option<AerodynamicWind> = None;
+    for (index, wind) in settings.iter().enumerate() {
+        match wind {
+            WindSettings::ParticleForce(settings) => {
+                forces.push(Box::new(ParticleWind { force: gust(settings, run, index) }));
+            }
+            WindSettings::Aerodynamic(settings) => {
+                let air = air.get_or_insert_with(|| AerodynamicWind {
+                    air_density: settings.air_density,
+                    normal_coefficient: settings.normal_coefficient,
+                    tangential_coefficient: settings.tangential_coefficient,
+                    velocity: glam::DVec3::ZERO,
+                    gusts: Vec::new(),
+                    grids: grids.to_vec(),
+                });
+                air.velocity += settings.velocity;
+                air.gusts.extend(settings.gust.as_ref().map(|settings| gust(settings, run, index)));
+            }
+        }
+    }
+    forces.extend(air.map(|air| Box::new(air) as Box<dyn Force>));
+    forces
+}
+
+/// The gust of wind number `index`, whose noise no other wind has.
+fn gust(settings: &GustSettings, run: &RunSettings, index: usize) -> Gust {
+    let GustSettings { amplitude, angular_frequency, phase, direction, noise } = *settings;
+    let noise = noise.map(|NoiseSettings { deviation, time }| {
+        let stream = RandomStream::new(run.seed, &format!("environment.wind.{index}.noise"));
+        Noise::new(deviation, time, run.duration, stream)
+    });
+    Gust { amplitude, angular_frequency, phase, direction, noise }
 }

@@ -47,7 +47,22 @@ impl PinMotion {
             Self::Keyframes(path) => path.velocity(time),
         }
     }
+
+    /// The longest step [s] that follows the path: a twentieth of a period, or the shortest time between two keys.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        match self {
+            Self::Sine(path) => TAU / (path.angular_frequency.abs() * STEPS_PER_PERIOD),
+            Self::Keyframes(path) => {
+                let pairs = path.keyframes.keys().windows(2);
+                pairs.map(|keys| keys[1].time - keys[0].time).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
 }
+
+/// Steps at least in one period of a sine.
+const STEPS_PER_PERIOD: f64 = 20.0;
 
 /// A path to and fro.
 ///
@@ -200,6 +215,12 @@ impl MovingPins {
                 velocities.set(*particle, velocity);
             }
         }
+    }
+
+    /// The longest step [s] that follows all paths; +∞ if no pin moves.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        self.groups.iter().map(|group| group.motion.longest_step()).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds the pin `particle`, which is at `start` [m] where its displacement is zero.

@@ -1,10 +1,11 @@
 //! The energy ledger: where the energy is, where it came from and went, and what is missing.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::pin_work::PinWork;
 use super::{Frame, Observer};
-use crate::force::{Configuration, PotentialEnergies};
+use crate::force::{Configuration, Force, PotentialEnergies};
 use crate::points::sum_in_lanes;
 use crate::{Model, Points, PointsMut, State};
 
@@ -107,8 +108,10 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
 /// drag loss += Σ k_d v² h                              over the free particles
 /// ```
 ///
-/// To them comes [`State::limit_work`] of every step: what limits do on pins, the pins do against it. All are of second order, like the motion itself. What moves a pin has the mass and the drag of its particle to itself:
-/// its kinetic energy and the drag on it are in no term.
+/// A force that depends on velocities does the work F · Δ with F in the middle of the step, at x − ½ Δ and v: there the
+/// state's velocities are at home. To both comes [`State::limit_work`] of every
+/// step: what limits do on pins, the pins do against it. All are of second order, like the motion itself. What moves a pin
+/// has the mass and the drag of its particle to itself: its kinetic energy and the drag on it are in no term.
 #[derive(Clone, Debug, Default)]
 pub struct EnergyLedger {
     initial: Option<EnergyTerms>,
@@ -116,6 +119,7 @@ pub struct EnergyLedger {
     external_before: Points,
     external_after: Points,
     pins: PinWork,
+    middle_positions: Points,
 }
 
 impl EnergyLedger {
@@ -133,6 +137,42 @@ impl EnergyLedger {
     pub fn terms(&self) -> &EnergyTerms {
         &self.current
     }
+
+    /// Adds the work of the forces that depend on velocities over the step that led to `state`.
+    fn add_work_of_moving(&mut self, model: &Model, state: &State) {
+        let forces =
+            || model.forces().iter().filter(|force| force.is_external() && force.depends_on_velocity());
+        if forces().next().is_none() {
+            return;
+        }
+        let half_step = 0.5 * state.last_step;
+        self.middle_positions.clone_from(&state.positions);
+        let middle = &mut self.middle_positions;
+        for (positions, velocities) in [
+            (&mut middle.x, &state.velocities.x),
+            (&mut middle.y, &state.velocities.y),
+            (&mut middle.z, &state.velocities.z),
+        ] {
+            positions
+                .iter_mut()
+                .zip(velocities)
+                .for_each(|(position, velocity)| *position -= half_step * velocity);
+        }
+        let at = Configuration {
+            time: state.time - half_step,
+            particles: model.particles(),
+            positions: &self.middle_positions,
+            velocities: &state.velocities,
+        };
+        // What was known of the forces before the step is no longer needed.
+        sum_forces(model, at, forces(), &mut self.external_after);
+        // What such forces do on a pin that moves does not reach the cloth.
+        for pin in model.moving_pins().particles() {
+            self.external_after.set(pin, DVec3::ZERO);
+        }
+        let power = mean_power(&self.external_after, &self.external_after, &state.velocities);
+        self.current.wind_work += power * state.last_step;
+    }
 }
 
 impl Observer for EnergyLedger {
@@ -149,11 +189,17 @@ impl Observer for EnergyLedger {
             self.current.wind_work += power * state.last_step;
             std::mem::swap(&mut self.external_before, &mut self.external_after);
         }
+        self.add_work_of_moving(model, state);
     }
 
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
         let particles = model.particles();
-        let at = Configuration { time: frame.state.time, particles, positions: &frame.state.positions };
+        let at = Configuration {
+            time: frame.state.time,
+            particles,
+            positions: &frame.state.positions,
+            velocities: frame.velocities,
+        };
         let mut potentials = PotentialEnergies::default();
         for force in model.forces() {
             force.add_energies(at, &mut potentials);
@@ -180,26 +226,43 @@ impl Observer for EnergyLedger {
     }
 }
 
-/// Overwrites `forces` with the sum [N] of the forces without potential, if there are any; whether there are.
+/// Overwrites `forces` with the sum [N] of the forces that have no potential and depend on no velocity, if there are any;
+/// whether there are.
 fn eval_external_forces(model: &Model, state: &State, forces: &mut Points) -> bool {
-    let mut external = model.forces().iter().filter(|force| force.is_external()).peekable();
+    let mut external =
+        model.forces().iter().filter(|force| force.is_external() && !force.depends_on_velocity()).peekable();
     if external.peek().is_none() {
         return false;
     }
-    if forces.len() != state.positions.len() {
-        *forces = Points::zeros(state.positions.len());
+    let at = Configuration {
+        time: state.time,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+    };
+    sum_forces(model, at, external, forces);
+    true
+}
+
+/// Overwrites `sums` [N] with the sum of `forces`.
+fn sum_forces<'a>(
+    model: &Model,
+    at: Configuration<'_>,
+    forces: impl Iterator<Item = &'a Box<dyn Force>>,
+    sums: &mut Points,
+) {
+    if sums.len() != at.positions.len() {
+        *sums = Points::zeros(at.positions.len());
     }
-    forces.fill(0.0);
-    let at = Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
-    for force in external {
-        let mut rest = forces.as_mut();
+    sums.fill(0.0);
+    for force in forces {
+        let mut rest = sums.as_mut();
         for block in model.blocks() {
             let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
             force.add_forces(at, block, &mut own);
             rest = others;
         }
     }
-    true
 }
 
 /// Σ k_d v² [W] of the free particles with the state's velocities.

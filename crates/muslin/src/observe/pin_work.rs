@@ -9,7 +9,8 @@ use crate::{Model, Points, State};
 
 /// Forces on the moving pins, from step to step.
 ///
-/// A pin that moves by Δ in a step works against the total force F that springs, gravity and wind exert on its particle:
+/// A pin that moves by Δ in a step works against the total force F that springs, gravity and wind exert on its particle
+/// (forces on relative velocity apart: neither they nor their work there reach the cloth):
 ///
 /// ```text
 /// work = −½ Σ (F_before + F_after) · Δ
@@ -46,14 +47,18 @@ impl PinWork {
 
     /// Work [J] of the pins over the step that led to `state`.
     pub(super) fn add_step(&mut self, model: &Model, state: &State) -> f64 {
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let at = Configuration {
+            time: state.time,
+            particles: model.particles(),
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
         let mut work = 0.0;
         let mut forces = self.forces.iter_mut();
         for (block, pins) in &self.blocks {
             let (mut block_forces, _) = self.block_forces.as_mut().split_at(block.len());
             block_forces.fill(0.0);
-            for force in model.forces() {
+            for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
                 force.add_forces(at, block, &mut block_forces);
             }
             for (&pin, force) in pins.iter().zip(&mut forces) {

@@ -54,8 +54,12 @@ impl StrainMonitor {
 
 impl Observer for StrainMonitor {
     fn step(&mut self, model: &Model, state: &State) {
-        let at =
-            Configuration { time: state.time, particles: model.particles(), positions: &state.positions };
+        let at = Configuration {
+            time: state.time,
+            particles: model.particles(),
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
         for force in model.forces() {
             force.raise_max_strains(at, &mut self.maxima);
         }
@@ -63,7 +67,12 @@ impl Observer for StrainMonitor {
 
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
         let particles = model.particles();
-        let at = Configuration { time: frame.state.time, particles, positions: &frame.state.positions };
+        let at = Configuration {
+            time: frame.state.time,
+            particles,
+            positions: &frame.state.positions,
+            velocities: frame.velocities,
+        };
         let mut sums = [StrainSums::default(); 3];
         for force in model.forces() {
             force.add_strains(at, &mut sums);

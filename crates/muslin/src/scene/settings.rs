@@ -68,13 +68,30 @@ impl Scene {
     /// What a reader of the results must know, one sentence each, in lower case and without full stop.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let winds = self.environment.winds.iter().enumerate();
-        let of_winds = winds.filter_map(|(index, wind)| match wind {
-            WindSettings::ParticleForce { noise: Some(NoiseSettings { time: 0.0, .. }), .. } => Some(format!(
+        let winds = &self.environment.winds;
+        let white = |wind: &WindSettings| {
+            matches!(
+                wind,
+                WindSettings::ParticleForce(GustSettings {
+                    noise: Some(NoiseSettings { time: 0.0, .. }),
+                    ..
+                })
+            )
+        };
+        let noisy = winds.iter().enumerate().filter(|(_, wind)| white(wind)).map(|(index, _)| {
+            format!(
                 "`environment.wind.{index}` has a new random value at each step (`noise_time = 0`), so the motion \
                  depends on the step"
-            )),
-            WindSettings::ParticleForce { .. } => None,
+            )
+        });
+        let has_air = winds.iter().any(|wind| matches!(wind, WindSettings::Aerodynamic(_)));
+        let faceless =
+            self.cloths.iter().filter(|cloth| has_air && cloth.grid.columns.min(cloth.grid.rows) == 1);
+        let unmoved = faceless.map(|cloth| {
+            format!(
+                "the cloth `{}` has one row or column and so no faces, on which alone an aerodynamic wind acts",
+                cloth.name
+            )
         });
         let is_used = |name: &str| self.cloths.iter().any(|cloth| cloth.fabric == name);
         let of_limits = self.fabrics.iter().filter(|(name, _)| is_used(name)).filter_map(|(name, fabric)| {
@@ -90,7 +107,7 @@ impl Scene {
             };
             Some(format!("`{}.limit` {effect}", joined("fabric", name)))
         });
-        of_winds.chain(of_limits).collect()
+        noisy.chain(unmoved).chain(of_limits).collect()
     }
 
     /// What the run must give.
@@ -164,25 +181,46 @@ pub struct Environment {
 /// `[[environment.wind]]`
 #[derive(Clone, Debug, PartialEq)]
 pub enum WindSettings {
-    /// `law = "particle-force"`: F = [A sin(ω t + φ) + ε] d on every particle, as the paper writes it.
-    ParticleForce {
-        /// Amplitude A [N].
-        amplitude: f64,
-        /// Angular frequency ω [rad/s], not negative.
-        angular_frequency: f64,
-        /// Phase φ [rad].
-        phase: f64,
-        /// Direction d [1], of unit length.
-        direction: DVec3,
-        /// Random part ε, if there is one.
-        noise: Option<NoiseSettings>,
-    },
+    /// `law = "particle-force"`: the force F = [A sin(ω t + φ) + ε] d [N] on every particle, as the paper writes it.
+    ParticleForce(GustSettings),
+    /// `law = "aerodynamic"`: air that pushes faces by its velocity relative to them.
+    Aerodynamic(AirSettings),
+}
+
+/// What swings and varies at random: [A sin(ω t + φ) + ε] d, in N or m/s as the wind's law has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GustSettings {
+    /// Amplitude A, not negative.
+    pub amplitude: f64,
+    /// Angular frequency ω [rad/s], not negative.
+    pub angular_frequency: f64,
+    /// Phase φ [rad].
+    pub phase: f64,
+    /// Direction d [1], of unit length.
+    pub direction: DVec3,
+    /// Random part ε, if there is one.
+    pub noise: Option<NoiseSettings>,
+}
+
+/// A wind of law `"aerodynamic"`. Of several the velocities add up; density and coefficients are the same in all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirSettings {
+    /// Mean velocity [m/s].
+    pub velocity: DVec3,
+    /// What comes on top of it [m/s], if anything does; its noise has a correlation time.
+    pub gust: Option<GustSettings>,
+    /// Density of the air ρ [kg/m³], positive.
+    pub air_density: f64,
+    /// Coefficient C_N [1] of the pressure along a face's normal, not negative.
+    pub normal_coefficient: f64,
+    /// Coefficient C_T [1] of the friction along a face, not negative.
+    pub tangential_coefficient: f64,
 }
 
 /// `noise` and `noise_time` of a wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseSettings {
-    /// Standard deviation [N], positive.
+    /// Standard deviation, positive; in the unit of the wind's amplitude.
     pub deviation: f64,
     /// Correlation time [s]; zero for a new value at each step, or else at least 1e-5 of the duration.
     pub time: f64,

@@ -34,6 +34,7 @@ pub(crate) struct SceneNumbers {
     pub(crate) allow_unstable: bool,
     pub(crate) gravity: [f64; 3],
     pub(crate) winds: Vec<WindNumbers>,
+    pub(crate) airs: Vec<AirNumbers>,
     pub(crate) cloths: Vec<ClothNumbers>,
 }
 
@@ -46,6 +47,17 @@ pub(crate) struct WindNumbers {
     pub(crate) direction: [f64; 3],
     /// Standard deviation [N] and correlation time [s].
     pub(crate) noise: [f64; 2],
+}
+
+/// An aerodynamic wind.
+#[derive(Clone, Debug)]
+pub(crate) struct AirNumbers {
+    pub(crate) velocity: [f64; 3],
+    /// What comes on top, in m/s.
+    pub(crate) gust: WindNumbers,
+    pub(crate) density: f64,
+    /// C_N and C_T.
+    pub(crate) coefficients: [f64; 2],
 }
 
 /// A cloth with a fabric of its own.
@@ -108,8 +120,29 @@ impl Default for SceneNumbers {
             allow_unstable: false,
             gravity: [0.0, -9.81, 0.0],
             winds: Vec::new(),
+            airs: Vec::new(),
             cloths: vec![ClothNumbers::default()],
         }
+    }
+}
+
+impl Default for WindNumbers {
+    /// None.
+    fn default() -> Self {
+        Self {
+            amplitude: 0.0,
+            angular_frequency: 0.0,
+            phase: 0.0,
+            direction: [1.0, 0.0, 0.0],
+            noise: [0.0; 2],
+        }
+    }
+}
+
+impl AirNumbers {
+    /// A steady wind.
+    pub(crate) fn steady(velocity: [f64; 3], coefficients: [f64; 2]) -> Self {
+        Self { velocity, gust: WindNumbers::default(), density: 1.2, coefficients }
     }
 }
 
@@ -157,13 +190,15 @@ impl SceneNumbers {
             self.gravity,
         );
         for wind in &self.winds {
-            let WindNumbers { amplitude, angular_frequency, phase, direction, noise: [noise, noise_time] } =
-                wind;
+            let _ = write!(text, "[[environment.wind]]\nlaw = \"particle-force\"\n{}", wind.text());
+        }
+        for AirNumbers { velocity, gust, density, coefficients: [normal, tangential] } in &self.airs {
             let _ = write!(
                 text,
-                "[[environment.wind]]\nlaw = \"particle-force\"\namplitude = {amplitude:?}\n\
-                 angular_frequency = {angular_frequency:?}\nphase = {phase:?}\ndirection = {direction:?}\n\
-                 noise = {noise:?}\nnoise_time = {noise_time:?}\n",
+                "[[environment.wind]]\nlaw = \"aerodynamic\"\nvelocity = {velocity:?}\n{}\
+                 air_density = {density:?}\nnormal_coefficient = {normal:?}\n\
+                 tangential_coefficient = {tangential:?}\n",
+                gust.text(),
             );
         }
         for (index, cloth) in self.cloths.iter().enumerate() {
@@ -195,6 +230,16 @@ impl SceneNumbers {
     /// The scene at time zero on one thread.
     pub(crate) fn simulation(&self) -> Simulation {
         simulation(&self.scene(), Workers::single())
+    }
+}
+
+impl WindNumbers {
+    fn text(&self) -> String {
+        let Self { amplitude, angular_frequency, phase, direction, noise: [noise, noise_time] } = self;
+        format!(
+            "amplitude = {amplitude:?}\nangular_frequency = {angular_frequency:?}\nphase = {phase:?}\n\
+             direction = {direction:?}\nnoise = {noise:?}\nnoise_time = {noise_time:?}\n",
+        )
     }
 }
 

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
+use super::{AirNumbers, CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
 
 /// Half a second of one cloth: any grid up to 8 x 8, any place, pins, motion of pins, wind, gravity, start and force direction.
 ///
@@ -32,16 +32,19 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
             allow_unstable: true,
             gravity: if random.below(4) == 0 { [0.0; 3] } else { random.vector(10.0) },
             winds,
+            airs: Vec::new(),
             cloths: vec![cloth],
         }
     })
 }
 
-/// The same with any laws of tension. Strain scales are so large that springs stiffen by a few times, not without bound.
+/// The same with any laws of tension and any air. Strain scales are so large that springs stiffen by a few times, not without bound.
 pub(crate) fn random_law_scene() -> impl Strategy<Value = SceneNumbers> {
     const LAWS: [&str; 4] =
         [LINEAR, "law = \"tangent\", strain_scale = 0.9", "law = \"arctangent-force\"", CURVE];
-    (random_scene(), [0..LAWS.len(), 0..LAWS.len(), 0..LAWS.len()]).prop_map(|(mut numbers, laws)| {
+    let laws = [0..LAWS.len(), 0..LAWS.len(), 0..LAWS.len()];
+    (random_scene(), laws, any::<u64>()).prop_map(|(mut numbers, laws, seed)| {
+        numbers.airs = random_airs(&numbers.cloths[0], &mut Random::new(seed));
         numbers.cloths[0].laws = laws.map(|law| LAWS[law]);
         numbers
     })
@@ -112,4 +115,28 @@ fn random_wind(mass: f64, random: &mut Random) -> WindNumbers {
         direction: random.vector(1.0),
         noise: [0.0; 2],
     }
+}
+
+/// Up to two aerodynamic winds of one air, whose damping of a particle is at most as fast as the drag: 30/s.
+fn random_airs(cloth: &ClothNumbers, random: &mut Random) -> Vec<AirNumbers> {
+    let cells = cloth.columns.max(2) * cloth.rows.max(2);
+    // ρ A (C_N + C_T) |u| of a particle, with 30 m/s at most of wind, gusts and cloth.
+    let rate = random.between(1.0, 30.0);
+    let coefficients = [random.between(0.0, 2.0), random.between(0.0, 0.5)];
+    let area = 4.0 * cloth.width * cloth.height / cells as f64;
+    let density = rate * cloth.mass / (area * 2.5 * 30.0);
+    let mut air = || AirNumbers {
+        velocity: random.vector(5.0),
+        gust: WindNumbers {
+            amplitude: random.between(0.0, 3.0),
+            angular_frequency: random.between(0.0, 20.0),
+            phase: random.between(-3.0, 3.0),
+            direction: random.vector(1.0),
+            noise: [random.between(0.0, 1.0), random.between(0.02, 0.5)],
+        },
+        density,
+        coefficients,
+    };
+    let count = [0, 1, 1, 2][(rate as usize) % 4];
+    (0..count).map(|_| air()).collect()
 }

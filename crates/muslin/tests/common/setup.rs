@@ -34,7 +34,8 @@ pub(crate) fn chain(links: usize, length: f64, mass: f64, stiffness: f64) -> Sce
 /// Forces [N] on all particles at `positions` [m] and time zero, but for drag.
 pub(crate) fn forces(model: &Model, positions: &Points) -> Points {
     let mut forces = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions };
+    let velocities = Points::zeros(positions.len());
+    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
@@ -46,7 +47,8 @@ pub(crate) fn forces(model: &Model, positions: &Points) -> Points {
 
 /// Energy [J] of all springs at `positions` [m].
 pub(crate) fn elastic_energy(model: &Model, positions: &Points) -> f64 {
-    let at = Configuration { time: 0.0, particles: model.particles(), positions };
+    let velocities = Points::zeros(positions.len());
+    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
     let mut energies = PotentialEnergies::default();
     model.forces().iter().for_each(|force| force.add_energies(at, &mut energies));
     energies.elastic.iter().sum()

@@ -7,7 +7,8 @@
 mod common;
 
 use common::{
-    CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish, simulation, workers,
+    AirNumbers, CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish,
+    simulation, workers,
 };
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
@@ -67,6 +68,23 @@ fn limited(limit: &'static str) -> SceneNumbers {
 const CUT_OFF: &str = "{ kind = \"cut-off\", strain = 0.05, shear_strain = 0.2 }";
 const PROJECTION: &str = "{ kind = \"arctangent-projection\" }";
 
+/// The same in air that moves, with gusts of two winds.
+fn flutter() -> SceneNumbers {
+    let gust = WindNumbers {
+        amplitude: 0.5,
+        angular_frequency: 7.0,
+        phase: 0.6,
+        direction: [0.0, 0.1, 1.0],
+        noise: [0.3, 0.2],
+    };
+    let steady = AirNumbers::steady([3.0, 0.0, 0.5], [1.5, 0.05]);
+    SceneNumbers {
+        winds: Vec::new(),
+        airs: vec![AirNumbers { gust, ..steady.clone() }, AirNumbers { velocity: [1.0, 0.0, 0.0], ..steady }],
+        ..flag()
+    }
+}
+
 /// Free, with drag, started as printed.
 fn free_fall() -> SceneNumbers {
     SceneNumbers {
@@ -92,7 +110,7 @@ fn pendulum() -> SceneNumbers {
 }
 
 /// Two cloths; the first has several blocks for threads to share, the last of them shorter than the others.
-fn large() -> SceneNumbers {
+fn large(airs: Vec<AirNumbers>) -> SceneNumbers {
     let large = ClothNumbers {
         columns: 150,
         rows: 100,
@@ -106,6 +124,7 @@ fn large() -> SceneNumbers {
         frame_intervals: 3,
         steps_per_frame: 10,
         winds: flag().winds,
+        airs,
         cloths: vec![large, small],
         ..SceneNumbers::default()
     }
@@ -146,6 +165,11 @@ fn limits_have_the_recorded_bits() {
 }
 
 #[test]
+fn flutter_has_the_recorded_bits() {
+    assert_golden("inline-flutter", hash(&flutter().scene(), Workers::single()));
+}
+
+#[test]
 fn free_fall_has_the_recorded_bits() {
     assert_golden("inline-free-fall", hash(&free_fall().scene(), Workers::single()));
 }
@@ -164,11 +188,19 @@ fn curve_has_the_recorded_bits() {
 
 #[test]
 fn bits_do_not_depend_on_threads() {
-    let scene = large().scene();
-    assert!(3 <= simulation(&scene, Workers::single()).model().blocks().len(), "blocks to share");
+    assert_bits_on_threads("inline-large", &large(Vec::new()).scene());
+}
+
+#[test]
+fn bits_in_air_do_not_depend_on_threads() {
+    assert_bits_on_threads("inline-large-flutter", &large(flutter().airs).scene());
+}
+
+fn assert_bits_on_threads(name: &str, scene: &Scene) {
+    assert!(3 <= simulation(scene, Workers::single()).model().blocks().len(), "blocks to share");
     let mut recorders = [1, 2, 3].map(|threads| {
         let mut recorder = Recorder::default();
-        finish(&mut simulation(&scene, workers(threads)), &mut recorder);
+        finish(&mut simulation(scene, workers(threads)), &mut recorder);
         recorder
     });
     let [one, two, three] = &mut recorders;
@@ -176,7 +208,7 @@ fn bits_do_not_depend_on_threads() {
     assert_eq!(one.frames(), three.frames());
     assert_eq!(one.max_strains(), two.max_strains());
     let last = one.frames().last().map(|frame| frame.hash);
-    assert_golden("inline-large", last.unwrap_or_else(|| panic!("no frames")));
+    assert_golden(name, last.unwrap_or_else(|| panic!("no frames")));
 }
 
 #[test]
@@ -191,7 +223,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), free_fall(), shaken(), limited(CUT_OFF)] {
+    for numbers in [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF)] {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

@@ -5,11 +5,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aerodynamics;
 mod catenary;
 mod conservation;
 mod energy;
 mod estimator;
 mod falling;
+mod flutter;
 mod hanging_chain;
 mod laws;
 mod limits;
@@ -24,3 +26,4 @@ mod printed_form;
 mod report;
 mod stability;
 mod statics;
+mod wind_spectrum;

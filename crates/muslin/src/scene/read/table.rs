@@ -109,6 +109,10 @@ impl<'t> Table<'t> {
 }
 
 impl<'t> Entry<'t> {
+    pub(super) fn is_given(&self) -> bool {
+        self.value.is_some()
+    }
+
     pub(super) fn optional(self) -> Option<Value<'t>> {
         self.value
     }
