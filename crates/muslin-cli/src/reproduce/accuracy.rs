@@ -86,9 +86,9 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
     }
     let mut items = vec![Item::text(
         "The other factor, says the paper, is the step: it should be as short as possible, but the shorter it is the longer the \
-         computation takes; hence an adaptive step, of which nothing more is said. muslin takes four fifths of a step that \
-         is certain to be stable in the shape that the cloth has, goes back where a step has made springs too stiff, and lets \
-         the step change so slowly that energy does not drift; with a tolerance it holds an estimate of the error as well.",
+         computation takes; hence an adaptive step, of which nothing more is said. muslin takes a share of a step that is certain to be stable in the shape that the cloth \
+         has, less where the motion itself is fast, and goes back where a step has made springs too stiff; with a tolerance it \
+         holds an estimate of the error, too.",
     )];
     items.push(Item::text(
         "The error here is the largest distance of any particle, in any frame, from a run with a quarter of the shortest \

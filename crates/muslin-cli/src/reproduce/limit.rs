@@ -228,7 +228,7 @@ fn taken_figure(all: &[Runs]) -> Figure {
     Figure {
         name: "figure-4-taken",
         caption: "Energy that a limit has taken from the cloth, relative to the largest change of any term of the ledger, at the longest \
-                  step h and at the shortest. The laws of tension take none."
+                  step h and at the shortest. The projection gives some back, as a stiffness does; the laws of tension take none."
             .to_owned(),
         content: Content::Plot(Plot {
             x: Axis::linear("time [s]"),

@@ -108,7 +108,7 @@ fn write_figure(out: &mut String, figure: &Figure) {
 
 fn write_table(out: &mut String, table: &Table) {
     let caption = with_code(&table.caption);
-    let _ = writeln!(out, "<div class=\"scroll\"><table>\n<caption>{caption}</caption>\n<thead><tr>");
+    let _ = writeln!(out, "<p class=\"caption\">{caption}</p>\n<div class=\"scroll\"><table>\n<thead><tr>");
     for (index, column) in table.columns.iter().enumerate() {
         let class = word_class(table.rows.first().and_then(|row| row.get(index)));
         let _ = write!(out, "<th scope=\"col\"{class}>{}</th>", escaped(column.title));

@@ -52,7 +52,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
                  one of the flat cloth, under Hooke's law.",
             ),
             Item::text(format!(
-                "The number of steps for a simulated second grows with the number of particles to the power of {}: with the square \
+                "The number of steps for a simulated second grows with the number of particles to the power of {}, about as the square \
                  root, since the mass of a particle falls with their number and the spring constants stay.",
                 rounded(steps, 3)
             )),
