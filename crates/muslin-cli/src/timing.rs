@@ -44,8 +44,8 @@ impl Integrator for TimedIntegrator {
         self.timed(|inner| inner.eval_forces(model, state));
     }
 
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
-        self.timed(|inner| inner.eval_forces_and_stable_step(model, state))
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64 {
+        self.timed(|inner| inner.eval_forces_and_stable_step(model, state, constant_stiffness))
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {

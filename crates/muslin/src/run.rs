@@ -1,8 +1,8 @@
 //! The run of a scene: its schedule of frames, and the steps between them.
 
 use crate::integrate::{
-    AdaptiveStep, CentralDifference, Integrator, StepError, Workers, guaranteed_stable_step,
-    largest_stable_step,
+    AdaptiveStep, CentralDifference, Integrator, StepError, Workers, constant_stiffness,
+    guaranteed_stable_step, largest_stable_step,
 };
 use crate::observe::{Frame, Observer};
 use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
@@ -58,6 +58,8 @@ enum Steps {
     },
     Adaptive {
         rule: AdaptiveStep,
+        /// Stiffness [1/s²] that is the same in all states.
+        constant_stiffness: f64,
         /// A guaranteed stable step [s] at the current state.
         stable: f64,
         /// The state before a step that may be taken back; empty if none is.
@@ -147,9 +149,15 @@ impl Simulation {
                 Steps::Constant { step: constant_step(&settings), per_frame: steps_per_frame }
             }
             StepRule::Adaptive { tolerance } => {
-                let stable = integrator.eval_forces_and_stable_step(&model, &state);
+                let constant_stiffness = constant_stiffness(&model, &state);
+                let stable = integrator.eval_forces_and_stable_step(&model, &state, constant_stiffness);
                 let rule = adaptive_step(&settings, &model, tolerance);
-                Steps::Adaptive { rule, stable, before: Box::new(State::at_rest(Points::default())) }
+                Steps::Adaptive {
+                    rule,
+                    constant_stiffness,
+                    stable,
+                    before: Box::new(State::at_rest(Points::default())),
+                }
             }
         };
         integrator.velocities(&model, &state, &mut velocities);
@@ -228,7 +236,7 @@ impl Simulation {
     /// Takes one adaptive step towards the time `end` [s] of a frame; whether it arrived.
     fn adaptive_step(&mut self, end: f64, observers: &mut [&mut dyn Observer]) -> Result<bool, StepError> {
         let Self { model, state, integrator, steps, .. } = self;
-        let Steps::Adaptive { rule, stable, before } = steps else { return Ok(true) };
+        let Steps::Adaptive { rule, constant_stiffness, stable, before } = steps else { return Ok(true) };
         let may_be_refused = !rule.is_stiffness_constant || rule.tolerance.is_some();
         if may_be_refused {
             before.copy_from(state);
@@ -242,8 +250,14 @@ impl Simulation {
                 return Err(StepError::TooShort { time: start, shortest: rule.shortest });
             }
             let time = if is_last { end } else { start + step };
-            let motion = match integrator.move_and_measure(model, state, step, time) {
-                Ok(motion) => Some(motion),
+            let moved = if state.step_memory.is_due() {
+                integrator.move_and_measure(model, state, step, time).map(Some)
+            } else {
+                integrator.move_by(model, state, step, time).map(|()| None)
+            };
+            let is_finite = moved.is_ok();
+            let motion = match moved {
+                Ok(motion) => motion,
                 Err(_) if may_be_refused => None,
                 Err(error) => return Err(error),
             };
@@ -251,16 +265,13 @@ impl Simulation {
                 integrator.eval_forces(model, state);
                 *stable
             } else {
-                integrator.eval_forces_and_stable_step(model, state)
+                integrator.eval_forces_and_stable_step(model, state, *constant_stiffness)
             };
             let is_tolerated = rule.tolerance.is_none() || {
                 let error = integrator.eval_error(model, before, state);
                 rule.tolerates(&mut state.step_memory, error, step)
             };
-            if let Some(motion) = motion
-                && rule.accepts(step, *stable, stable_after)
-                && is_tolerated
-            {
+            if is_finite && rule.accepts(step, *stable, stable_after) && is_tolerated {
                 rule.remember(&mut state.step_memory, ideal_step, motion, last_step, *stable);
                 *stable = stable_after;
                 show_step(observers, model, state);
@@ -296,7 +307,7 @@ fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) 
         frame_interval,
         longest: by_drag.min(by_forces).min(model.moving_pins().longest_step()),
         shortest: frame_interval / MAX_STEPS_PER_FRAME as f64,
-        is_stiffness_constant: forces.iter().all(|force| force.has_constant_bounds()),
+        is_stiffness_constant: !forces.iter().any(|force| force.has_varying_bounds()),
         tolerance,
     }
 }

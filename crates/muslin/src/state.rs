@@ -35,8 +35,8 @@ pub struct StepMemory {
     pub(crate) span_steps: u32,
     /// Largest kinetic energy [J] so far.
     pub(crate) peak_kinetic_energy: f64,
-    /// What was measured in the latest step.
-    pub(crate) motion: Motion,
+    /// What was measured in the latest step, if anything was.
+    pub(crate) motion: Option<Motion>,
 }
 
 /// Energies of the motion in one step, of the free particles alone.

@@ -39,7 +39,7 @@ impl Force for Gravity {
         }
     }
 
-    fn has_constant_bounds(&self) -> bool {
-        true
+    fn has_varying_bounds(&self) -> bool {
+        false
     }
 }

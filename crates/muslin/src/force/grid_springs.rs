@@ -80,12 +80,12 @@ impl GridSprings {
         }
     }
 
-    /// Calls `visit` with law and springs for every row of particles of `block` and each of their neighbours.
+    /// Calls `visit` with family and springs for every row of particles of `block` and each of their neighbours.
     fn for_each_row(
         &self,
         at: Configuration<'_>,
         block: &Range<usize>,
-        mut visit: impl FnMut(&SpringLaw, SpringRow<'_>),
+        mut visit: impl FnMut(&GridFamily, SpringRow<'_>),
     ) {
         let Some(rows) = self.grid.block_rows(block) else { return };
         for family in &self.families {
@@ -93,8 +93,8 @@ impl GridSprings {
                 for neighbour in &family.neighbours {
                     if let Some(pair) = &neighbour.row_pair(&self.grid, row) {
                         let (rest_length, direction) = (neighbour.rest_length, family.direction);
-                        let (law, offset) = (&family.law, block.start);
-                        visit(law, SpringRow { at, pair, offset, rest_length, direction });
+                        let offset = block.start;
+                        visit(family, SpringRow { at, pair, offset, rest_length, direction });
                     }
                 }
             }
@@ -123,6 +123,12 @@ impl GridSprings {
 }
 
 impl GridFamily {
+    /// Whether its springs are equally stiff at all lengths: along its current length a linear spring is k stiff, and
+    /// across it k (1 − L / ℓ), which is less.
+    fn has_constant_stiffness(&self) -> bool {
+        self.law.is_linear() && self.direction == ForceDirection::CurrentLength
+    }
+
     /// A spring of `rest_length` [m].
     fn spring(&self, rest_length: f64) -> Spring<&SpringLaw> {
         Spring { law: &self.law, rest_length, direction: self.direction }
@@ -288,28 +294,39 @@ fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
 
 impl Force for GridSprings {
     fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
-        self.for_each_row(at, block, |law, row| law.visit(AddForces { row, forces }));
+        self.for_each_row(at, block, |family, row| family.law.visit(AddForces { row, forces }));
     }
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
-        self.for_each_row(at, block, |law, row| law.visit(AddBounds { row, bounds }));
+        self.for_each_row(at, block, |family, row| family.law.visit(AddBounds { row, bounds }));
     }
 
-    fn add_forces_and_bounds(
+    fn add_forces_and_varying_bounds(
         &self,
         at: Configuration<'_>,
         block: &Range<usize>,
         forces: &mut PointsMut<'_>,
         bounds: &mut [f64],
     ) {
-        self.for_each_row(at, block, |law, row| law.visit(AddForcesAndBounds { row, forces, bounds }));
+        self.for_each_row(at, block, |family, row| {
+            if family.has_constant_stiffness() {
+                family.law.visit(AddForces { row, forces });
+            } else {
+                family.law.visit(AddForcesAndBounds { row, forces, bounds });
+            }
+        });
     }
 
-    /// Along its current length a linear spring is k stiff, and across it k (1 − L / ℓ), which is less.
-    fn has_constant_bounds(&self) -> bool {
-        let is_constant =
-            |family: &GridFamily| family.law.is_linear() && family.direction == ForceDirection::CurrentLength;
-        self.families.iter().all(is_constant)
+    fn add_constant_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        self.for_each_row(at, block, |family, row| {
+            if family.has_constant_stiffness() {
+                family.law.visit(AddBounds { row, bounds });
+            }
+        });
+    }
+
+    fn has_varying_bounds(&self) -> bool {
+        !self.families.iter().all(GridFamily::has_constant_stiffness)
     }
 
     fn add_tangent_products(

@@ -140,9 +140,9 @@ pub trait Force: fmt::Debug + Send + Sync {
         let _ = (at, block, bounds);
     }
 
-    /// [`add_forces`](Self::add_forces) and [`add_stiffness_bounds`](Self::add_stiffness_bounds) in one pass, with the
-    /// same bits.
-    fn add_forces_and_bounds(
+    /// [`add_forces`](Self::add_forces), and that part of the [stiffness bounds](Self::add_stiffness_bounds) which depends on
+    /// where the particles are, in one pass. The forces have the same bits.
+    fn add_forces_and_varying_bounds(
         &self,
         at: Configuration<'_>,
         block: &Range<usize>,
@@ -153,9 +153,14 @@ pub trait Force: fmt::Debug + Send + Sync {
         self.add_stiffness_bounds(at, block, bounds);
     }
 
-    /// Whether the stiffness bounds are the same wherever the particles are and whatever the time is.
-    fn has_constant_bounds(&self) -> bool {
-        false
+    /// Adds the other part of the [stiffness bounds](Self::add_stiffness_bounds), which is the same in all states.
+    fn add_constant_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
+        let _ = (at, block, bounds);
+    }
+
+    /// Whether any part of the stiffness or damping bounds depends on the state.
+    fn has_varying_bounds(&self) -> bool {
+        true
     }
 
     /// The longest step [s] that follows how the force changes in time by itself; +∞ if it does not.

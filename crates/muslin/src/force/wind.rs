@@ -32,8 +32,8 @@ impl Force for ParticleWind {
         true
     }
 
-    fn has_constant_bounds(&self) -> bool {
-        true
+    fn has_varying_bounds(&self) -> bool {
+        false
     }
 
     fn longest_step(&self) -> f64 {

@@ -20,11 +20,14 @@ const ENERGY_ACCURACY: f64 = 0.06;
 
 /// Steps of one span of memory. A motion of the very frequency that limits the step turns by [`ENERGY_ACCURACY`] in each, so
 /// that this is more than half of its period, after which it is as fast again.
-const SPAN_STEPS: u32 = 65;
+const SPAN_STEPS: u32 = 64;
 
 /// Share before the first step [1], when nothing is known of the motion to come, and the steps for which it is remembered.
 const INITIAL_SHARE: f64 = 1.0;
-const INITIAL_STEPS: u32 = 20;
+const INITIAL_STEPS: u32 = 24;
+
+/// Of so many steps the motion is measured in the first two, unless energy rules the step.
+const MEASURED_EVERY: u32 = 8;
 
 /// How far one step may depart from the one that stability asks for, so that steps before and after can balance [1].
 const BALANCE: f64 = 0.8;
@@ -41,12 +44,18 @@ impl Default for StepMemory {
             energetic_shares: [0.0, INITIAL_SHARE],
             span_steps: SPAN_STEPS - INITIAL_STEPS,
             peak_kinetic_energy: 0.0,
-            motion: Motion::default(),
+            motion: None,
         }
     }
 }
 
 impl StepMemory {
+    /// Whether the motion is to be measured in the next step.
+    pub(crate) fn is_due(&self) -> bool {
+        let rules = 0.5 * ENERGY_ACCURACY < STABLE_SHARE * self.energetic_share();
+        rules || self.span_steps % MEASURED_EVERY < 2
+    }
+
     fn energetic_share(&self) -> f64 {
         self.energetic_shares[0].max(self.energetic_shares[1])
     }
@@ -155,19 +164,21 @@ impl AdaptiveStep {
 
     /// Takes note of an accepted step of `step` [s], which was to be `ideal_step` [s].
     ///
-    /// `motion` is that of the step, `last_step` [s] the step before it and `stable_step` [s] guaranteed where it began.
+    /// `motion` is that of the step if it was measured, `last_step` [s] the step before it and `stable_step` [s] guaranteed where it began.
     pub fn remember(
         &self,
         memory: &mut StepMemory,
         ideal_step: f64,
-        motion: Motion,
+        motion: Option<Motion>,
         last_step: f64,
         stable_step: f64,
     ) {
-        let before = memory.motion;
         let energy = memory.peak_kinetic_energy;
         let mut share = 0.0;
-        if 0.0 < energy && 0.0 < last_step && stable_step.is_finite() {
+        if let (Some(before), Some(motion)) = (memory.motion, motion)
+            && 0.0 < energy
+            && stable_step.is_finite()
+        {
             // v · (F_before − F_after) over the last step, with the velocity of that step.
             let lost_power = (before.power_after - motion.power_before).max(0.0);
             share = (0.5 * stable_step * (lost_power / (2.0 * energy * last_step)).sqrt()).min(1.0);
@@ -178,7 +189,9 @@ impl AdaptiveStep {
         }
         memory.span_steps += 1;
         memory.energetic_shares[0] = memory.energetic_shares[0].max(share);
-        memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
+        if let Some(motion) = motion {
+            memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
+        }
         memory.motion = motion;
         memory.ideal_step = ideal_step;
     }
@@ -249,7 +262,7 @@ mod tests {
             Motion { kinetic_energy: 0.5 * v * v, power_before: v_before * force, power_after: v * force }
         };
         for n in 0..500 {
-            RULE.remember(&mut memory, step, motion(f64::from(n)), step, 2.0 / omega);
+            RULE.remember(&mut memory, step, Some(motion(f64::from(n))), step, 2.0 / omega);
         }
         assert!((memory.energetic_share() - 1.0).abs() < 2e-3, "{}", memory.energetic_share());
         let ideal = RULE.ideal_step(&StepMemory { ideal_step: 0.0, ..memory }, 2.0 / omega);

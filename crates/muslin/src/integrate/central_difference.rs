@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::limits::Limiter;
 use super::pins::place_pins;
-use super::stability::{larger, largest_damping_rate, largest_frequency_squared, stable_step};
+use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
 use super::{Integrator, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
@@ -155,16 +155,6 @@ impl CentralDifference {
     }
 }
 
-/// `state` as forces see it, with velocities half a step old.
-fn configuration<'a>(model: &'a Model, state: &'a State) -> Configuration<'a> {
-    Configuration {
-        time: state.time,
-        particles: model.particles(),
-        positions: &state.positions,
-        velocities: &state.velocities,
-    }
-}
-
 /// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
 /// the `force` [N] at the state's time; a pin keeps its own.
 fn velocity_at_state(
@@ -189,7 +179,7 @@ fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut fo
     }
 }
 
-/// The same, and the stiffness `bounds` [N/m] of all forces; the largest of bound / mass [1/s²].
+/// The same, and the varying stiffness `bounds` [N/m]; the largest of bound / mass [1/s²].
 fn eval_block_and_bounds(
     model: &Model,
     at: Configuration<'_>,
@@ -199,13 +189,11 @@ fn eval_block_and_bounds(
     forces.fill(0.0);
     bounds.fill(0.0);
     for force in model.forces() {
-        if force.depends_on_velocity() {
-            force.add_stiffness_bounds(at, block, bounds);
-        } else {
-            force.add_forces_and_bounds(at, block, &mut forces, bounds);
+        if !force.depends_on_velocity() {
+            force.add_forces_and_varying_bounds(at, block, &mut forces, bounds);
         }
     }
-    largest_frequency_squared(model.particles(), block, bounds)
+    largest_rate(model.particles(), block, bounds)
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -320,7 +308,7 @@ impl Integrator for CentralDifference {
         }
     }
 
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64 {
         self.next_forces(state.positions.len());
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
         let at = configuration(model, state);
@@ -334,7 +322,7 @@ impl Integrator for CentralDifference {
             self.add_velocity_forces(model, at, state.last_step);
             damping = self.largest_damping_rate(model, state);
         }
-        stable_step(largest.unwrap_or(0.0), damping)
+        stable_step(constant_stiffness + largest.unwrap_or(0.0), damping)
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {

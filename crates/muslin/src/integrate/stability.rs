@@ -30,14 +30,8 @@ const CHECK_INTERVAL: usize = 6;
 /// their current length it is the same in every shape that the cloth can take. On a grid it is about 0.7 of the [`largest_stable_step`]; it costs about as much as one step.
 #[must_use]
 pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
-    let particles = model.particles();
-    let at = Configuration {
-        time: state.time,
-        particles,
-        positions: &state.positions,
-        velocities: &state.velocities,
-    };
-    let (mut largest, mut damping) = (0.0, 0.0);
+    let at = configuration(model, state);
+    let (mut stiffness, mut damping) = (0.0, 0.0);
     let mut bounds = Vec::new();
     for block in model.blocks() {
         bounds.clear();
@@ -45,14 +39,42 @@ pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
         for force in model.forces() {
             force.add_stiffness_bounds(at, block, &mut bounds);
         }
-        largest = larger(largest, largest_frequency_squared(particles, block, &bounds));
+        stiffness = larger(stiffness, largest_rate(at.particles, block, &bounds));
         damping = larger(damping, largest_damping_rate(model, at, block, &mut bounds));
     }
-    stable_step(largest, damping)
+    stable_step(stiffness, damping)
+}
+
+/// The largest of bound / mass [1/s²] over the free particles, of those parts of the stiffness bounds that are the same in
+/// all states.
+#[must_use]
+pub fn constant_stiffness(model: &Model, state: &State) -> f64 {
+    let at = configuration(model, state);
+    let mut stiffness = 0.0;
+    let mut bounds = Vec::new();
+    for block in model.blocks() {
+        bounds.clear();
+        bounds.resize(block.len(), 0.0);
+        for force in model.forces() {
+            force.add_constant_bounds(at, block, &mut bounds);
+        }
+        stiffness = larger(stiffness, largest_rate(at.particles, block, &bounds));
+    }
+    stiffness
+}
+
+/// `state` as forces see it, with velocities half a step old.
+pub(super) fn configuration<'a>(model: &'a Model, state: &'a State) -> Configuration<'a> {
+    Configuration {
+        time: state.time,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+    }
 }
 
 /// The largest of bound / mass over the free particles of `block`, 1/s² for stiffness; NaN if any is.
-pub(super) fn largest_frequency_squared(particles: &Particles, block: &Range<usize>, bounds: &[f64]) -> f64 {
+pub(super) fn largest_rate(particles: &Particles, block: &Range<usize>, bounds: &[f64]) -> f64 {
     let constants = particles.masses()[block.clone()].iter().zip(&particles.pinned()[block.clone()]);
     let squares =
         bounds.iter().zip(constants).map(|(bound, (mass, pinned))| if *pinned { 0.0 } else { bound / mass });
@@ -71,7 +93,7 @@ pub(super) fn largest_damping_rate(
     for force in model.forces() {
         force.add_damping_bounds(at, block, bounds);
     }
-    largest_frequency_squared(at.particles, block, bounds)
+    largest_rate(at.particles, block, bounds)
 }
 
 /// The step 2 / (ω + 2γ) [s] for a frequency squared ω² [1/s²] and a damping rate γ [1/s]; 0 if they are not numbers.

@@ -180,6 +180,19 @@ fn pendulum_has_the_recorded_bits() {
 }
 
 #[test]
+fn laws_in_closed_form_have_the_recorded_bits() {
+    let laws = [
+        ("inline-tangent", "law = \"tangent\", strain_scale = 0.2"),
+        ("inline-arctangent", "law = \"arctangent-force\""),
+    ];
+    for (name, law) in laws {
+        let mut numbers = hanging();
+        numbers.cloths[0].laws = [law; 3];
+        assert_golden(name, hash(&numbers.scene(), Workers::single()));
+    }
+}
+
+#[test]
 fn curve_has_the_recorded_bits() {
     let mut numbers = hanging();
     numbers.cloths[0].laws = [CURVE; 3];
