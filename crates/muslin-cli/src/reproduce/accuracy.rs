@@ -154,8 +154,7 @@ impl Study {
         };
         let count = |row: &Accuracy| row.outcome.steps.accepted;
         format!(
-            "{}: the largest safe constant step takes {} steps and errs by {}\u{a0}mm; adaptive steps are {} and err \
-             by {}\u{a0}mm.",
+            "{}: {} steps of the largest safe constant size err by {}\u{a0}mm, {} adaptive ones by {}\u{a0}mm.",
             self.title(),
             count(safe),
             rounded(1e3 * safe.error, 2),
@@ -164,12 +163,17 @@ impl Study {
         )
     }
 
-    /// How many constant steps have the error of `row`: between those that were tried, on a straight line through the
-    /// logarithms of steps and errors. None if it is beyond them.
+    /// How many constant steps have the error of `row`, whose own steps are adaptive: between those that were tried, on a
+    /// straight line through the logarithms of steps and errors. None beyond them.
     fn equal_constant_steps(&self, row: &Accuracy) -> Option<f64> {
-        let constant: Vec<&Accuracy> = self.rows.iter().filter(|row| row.kind == Kind::Constant).collect();
+        let is_constant = |row: &&Accuracy| matches!(row.kind, Kind::Constant | Kind::LargestSafe);
+        if is_constant(&row) {
+            return None;
+        }
+        let mut constant: Vec<&Accuracy> = self.rows.iter().filter(is_constant).collect();
+        constant.sort_by_key(|row| row.outcome.steps.accepted);
         let pair =
-            constant.windows(2).find(|pair| pair[1].error <= row.error && row.error <= pair[0].error)?;
+            constant.windows(2).find(|pair| pair[1].error <= row.error && row.error < pair[0].error)?;
         let [coarse, fine] = [pair[0], pair[1]];
         let share = libm::log(row.error / coarse.error) / libm::log(fine.error / coarse.error);
         let [from, to] = [coarse, fine].map(|row| row.outcome.steps.accepted as f64);
@@ -224,10 +228,7 @@ impl Study {
                 milliseconds(steps.smallest),
                 milliseconds(steps.largest),
                 error,
-                match self.equal_constant_steps(row) {
-                    Some(steps) if row.kind != Kind::Constant => Cell::count(steps.round() as u64),
-                    _ => Cell::None,
-                },
+                self.equal_constant_steps(row).map_or(Cell::None, |steps| Cell::count(steps.round() as u64)),
                 Cell::rounded(row.outcome.residual()),
                 Cell::rounded(1e3 * row.outcome.stepping_seconds),
             ]
