@@ -43,8 +43,8 @@ const BOOK: &str = "paper-figures.md";
 
 /// Recomputes the paper and writes the folder.
 pub(crate) fn reproduce(arguments: &ReproduceArguments) -> Result<(), CliError> {
-    let folder = Folder::create(&arguments.dir, arguments.force)?;
     let interrupted = interruption()?;
+    let folder = Folder::create(&arguments.dir, arguments.force)?;
     let extent = if arguments.quick { Extent::QUICK } else { Extent::FULL };
     let progress = Progress::new(&interrupted);
     let result = compute(&extent, &progress);
