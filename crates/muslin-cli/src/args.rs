@@ -50,6 +50,8 @@ pub(crate) enum Command {
     },
     /// Print the JSON Schema of the scene file
     Schema,
+    /// Recompute the figures and claims of the paper behind muslin, on a page
+    Reproduce(ReproduceArguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -89,6 +91,18 @@ pub(crate) struct VerifyArguments {
     /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ReproduceArguments {
+    /// Folder to write
+    pub(crate) dir: PathBuf,
+    /// Take coarse grids and short times: every part of the page in seconds, but not its results
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Replace what an earlier reproduction wrote into the folder
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// More threads than any machine has cores cost time and gain nothing.

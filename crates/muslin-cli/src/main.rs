@@ -14,6 +14,7 @@ mod new;
 mod output;
 mod progress;
 mod report;
+mod reproduce;
 mod run;
 mod scene_file;
 mod summary;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::View { dir } => view::view(dir),
         Command::New { name } => new::new(name.as_deref()),
         Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
+        Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -103,7 +103,7 @@ pub(crate) fn terminal_line() -> Option<ProgressBar> {
 }
 
 /// A bar of which `share`, from 0 to 1, is full.
-fn bar_text(share: f64) -> String {
+pub(crate) fn bar_text(share: f64) -> String {
     let full = ((share * BAR_LENGTH as f64) as usize).min(BAR_LENGTH);
     "█".repeat(full) + &"░".repeat(BAR_LENGTH - full)
 }

@@ -204,7 +204,7 @@ pub(crate) fn timed_integrator(
 }
 
 /// A flag that Ctrl-C sets; a second Ctrl-C ends the process at once.
-fn interruption() -> Result<Arc<AtomicBool>, CliError> {
+pub(crate) fn interruption() -> Result<Arc<AtomicBool>, CliError> {
     let flag = Arc::new(AtomicBool::new(false));
     let handler_flag = Arc::clone(&flag);
     ctrlc::set_handler(move || {

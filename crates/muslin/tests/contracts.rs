@@ -137,3 +137,27 @@ fn largest_strains_are_the_same_by_both_ways() {
         assert_eq!(maxima, sums.map(|sums| sums.max), "{columns} columns");
     }
 }
+
+/// Every spring is shown once: as many as are counted, no pair of particles twice in a family, unstretched in the flat cloth.
+#[test]
+fn springs_are_shown_as_they_are_counted() {
+    let (model, state) = model_and_state(&small(0.002, 0.0));
+    let mut springs = Vec::new();
+    for force in model.forces() {
+        force.visit_springs(&mut |spring| springs.push(spring));
+    }
+    let mut pairs: Vec<_> = springs.iter().map(|spring| (spring.family as usize, spring.particles)).collect();
+    let counts = [0, 1, 2].map(|family| pairs.iter().filter(|pair| pair.0 == family).count() as u64);
+    assert_eq!(counts, model.spring_counts());
+    assert!(pairs.is_sorted_by_key(|pair| pair.0), "families follow each other");
+    pairs.sort_unstable();
+    pairs.dedup();
+    assert_eq!(pairs.len(), springs.len());
+    for spring in springs {
+        let [own, other] = spring.particles;
+        assert!(own < other);
+        let length = state.positions.get(own).distance(state.positions.get(other));
+        // Rounding of coordinates up to 1 m.
+        assert!((length - spring.rest_length).abs() < 1e-14, "{spring:?}");
+    }
+}

@@ -64,6 +64,26 @@ fn is_under_way(work: &Work) -> bool {
     checkpoint_frame(work).is_some_and(|frame| 0 < frame)
 }
 
+/// The whole reproduction takes a minute, so that it cannot end before it is stopped.
+#[test]
+fn an_interrupted_reproduction_leaves_nothing() {
+    let work = Work::new();
+    let mut command = work.command(["reproduce", "page"]);
+    let run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the command starts");
+    while !exists(work.path("page/.reproduction/lock")) {
+        sleep(Duration::from_millis(2));
+    }
+    work.muslin("reproduce page").assert_failure(
+        2,
+        "error: another muslin is at work in page\n  help: wait until it ends or stop it, or choose another folder",
+    );
+    let outcome = interrupt(run);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let message = "error: stopped; nothing was written\n  help: start it again\n";
+    assert!(outcome.stderr.ends_with(message), "{}", outcome.stderr);
+    assert!(!exists(work.path("page")));
+}
+
 #[test]
 fn an_interrupted_run_goes_on_to_the_same_bits() {
     let (work, outcome) = stopped_run(is_under_way, interrupt);

@@ -5,6 +5,7 @@ mod bad_scene;
 mod data_files;
 mod interruptions;
 mod other_commands;
+mod reproduction;
 mod runs;
 mod unstable;
 mod verification;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::spring::Spring;
-use super::{Configuration, Family, Force, PotentialEnergies, StrainSums};
+use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums};
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
 use crate::{Points, PointsMut};
@@ -357,6 +357,14 @@ impl Force for GridSprings {
         let mut counts = [0; 3];
         self.for_each_spring_row(|family, pair, _| counts[family.family as usize] += pair.own.len() as u64);
         counts
+    }
+
+    fn visit_springs(&self, visit: &mut dyn FnMut(SpringEnds)) {
+        self.for_each_spring_row(|family, pair, rest_length| {
+            for (own, other) in pair.own.zip(pair.other) {
+                visit(SpringEnds { family: family.family, particles: [own, other], rest_length });
+            }
+        });
     }
 
     fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {

@@ -95,6 +95,17 @@ impl Default for StrainSums {
     }
 }
 
+/// A spring as part of a cloth: its family, and the particles that it joins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringEnds {
+    /// Its family.
+    pub family: Family,
+    /// The particles at its ends, the lower number first.
+    pub particles: [usize; 2],
+    /// Rest length L [m].
+    pub rest_length: f64,
+}
+
 /// A force on all particles.
 ///
 /// `block` is one of the model's [`blocks`](crate::Model::blocks); arrays named after what is added hold one entry per
@@ -184,6 +195,11 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// Number of springs per family, in the order of [`Family::ALL`].
     fn spring_counts(&self) -> [u64; 3] {
         [0; 3]
+    }
+
+    /// Shows every spring to `visit` once, family by family in the order of [`Family::ALL`].
+    fn visit_springs(&self, visit: &mut dyn FnMut(SpringEnds)) {
+        let _ = visit;
     }
 
     /// Adds the strains of all springs, per family in the order of [`Family::ALL`].

@@ -1,0 +1,130 @@
+//! The folder that a reproduction writes.
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::report::REPRODUCTION;
+use crate::error::{CliError, reason};
+
+/// Name of the folder inside that holds files until all are whole.
+const PARTIAL: &str = ".reproduction";
+
+/// Name of the file inside it that the process at work holds locked.
+const LOCK: &str = "lock";
+
+/// The file that tells that a folder holds a reproduction.
+pub(crate) const FIGURES: &str = "figures.json";
+
+/// A folder that changes only when everything is computed and written.
+pub(crate) struct Folder {
+    path: PathBuf,
+    /// Locked until this process ends, so that no other writes here.
+    lock: Option<File>,
+}
+
+impl Folder {
+    /// The folder at `path`, made if need be. What is in it must be an earlier reproduction, and may then be replaced.
+    pub(crate) fn create(path: &Path, may_replace: bool) -> Result<Self, CliError> {
+        const ELSEWHERE: &str = "choose another folder";
+        let shown = path.display();
+        if path.exists() && !path.is_dir() {
+            let message = format_args!("{shown} is a file, but must be a folder or not exist");
+            return Err(CliError::input(message, "choose another name"));
+        }
+        let mut folder = Self { path: path.to_owned(), lock: None };
+        folder.lock()?;
+        match (folder.has_files(), folder.holds_reproduction(), may_replace) {
+            (false, _, _) | (true, true, true) => {}
+            (true, true, false) => {
+                return Err(CliError::input(
+                    format_args!("{shown} exists already and is not empty"),
+                    "replace its files with `--force`, or choose another folder",
+                ));
+            }
+            (true, false, true) => {
+                return Err(CliError::input(
+                    format_args!(
+                        "{shown} holds other files than those of a reproduction, which `--force` does not replace"
+                    ),
+                    ELSEWHERE,
+                ));
+            }
+            (true, false, false) => {
+                let message = format_args!("{shown} exists already and is not empty");
+                return Err(CliError::input(message, ELSEWHERE));
+            }
+        }
+        // What another reproduction left when it was stopped is worth nothing.
+        let make = || {
+            let _ = fs::remove_dir_all(folder.partial());
+            fs::create_dir_all(folder.partial())
+        };
+        make().map_err(|error| {
+            CliError::input(
+                format_args!("{shown} cannot be written: {}", reason(&error)),
+                "choose a folder that you may write to",
+            )
+        })?;
+        folder.lock()?;
+        Ok(folder)
+    }
+
+    /// Makes sure that no other process writes here.
+    fn lock(&mut self) -> Result<(), CliError> {
+        let path = self.partial().join(LOCK);
+        // Where nothing can be opened or locked, whatever comes next says why, or works without a lock.
+        let Ok(lock) = File::options().create(true).append(true).open(path) else { return Ok(()) };
+        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(CliError::input(
+                format_args!("another muslin is at work in {}", self.path.display()),
+                "wait until it ends or stop it, or choose another folder",
+            ));
+        }
+        self.lock = Some(lock);
+        Ok(())
+    }
+
+    fn partial(&self) -> PathBuf {
+        self.path.join(PARTIAL)
+    }
+
+    /// Whether there is anything but the files of a reproduction in progress.
+    fn has_files(&self) -> bool {
+        let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
+        entries.into_iter().any(|entry| entry.file_name() != PARTIAL)
+    }
+
+    fn holds_reproduction(&self) -> bool {
+        let bytes = fs::read(self.path.join(FIGURES)).unwrap_or_default();
+        let figures: Option<Value> = serde_json::from_slice(&bytes).ok();
+        figures.is_some_and(|figures| figures["reproduction"] == REPRODUCTION)
+    }
+
+    /// Writes all `files` beside their names, and moves them there when all are whole.
+    pub(crate) fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), CliError> {
+        let failed = |path: &Path, error: &io::Error| {
+            let message = format!("{} could not be written: {}", path.display(), reason(error));
+            CliError::failed(message, "check the folder, or choose another")
+        };
+        for (name, bytes) in files {
+            let path = self.partial().join(name);
+            fs::write(&path, bytes).map_err(|error| failed(&path, &error))?;
+        }
+        for (name, _) in files {
+            let path = self.path.join(name);
+            fs::rename(self.partial().join(name), &path).map_err(|error| failed(&path, &error))?;
+        }
+        self.discard();
+        Ok(())
+    }
+
+    /// Removes what is unfinished, and the folder if nothing else is in it.
+    pub(crate) fn discard(&self) {
+        let _ = fs::remove_dir_all(self.partial());
+        // Fails, as it should, if there are files.
+        let _ = fs::remove_dir(&self.path);
+    }
+}
