@@ -96,7 +96,9 @@ impl StepMemory {
 /// around H would only shake them.
 ///
 /// **Guard.** A step after which the fastest frequency has grown too much (2/ω < h / 0.95, or threefold) is taken back and
-/// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps.
+/// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps. However much it has
+/// grown, a step that resolves it (h ω ≤ 0.06) stands: what begins without any stiffness or damping, and what a limit
+/// changes at once, grows by the same in the shortest step.
 ///
 /// **Frames** are hit exactly: the rest of the frame is divided by the number of steps that it needs.
 ///
@@ -159,7 +161,7 @@ impl AdaptiveStep {
         // Written so that what is not a number is refused.
         self.is_stiffness_constant
             || (step <= REJECTED_SHARE * stable_after && stable_before <= REJECTED_GROWTH * stable_after)
-            || (stable_after == f64::INFINITY)
+            || step <= 0.5 * ENERGY_ACCURACY * stable_after
     }
 
     /// Takes note of an accepted step of `step` [s], which was to be `ideal_step` [s].
@@ -245,8 +247,18 @@ mod tests {
     fn a_step_that_ends_too_stiff_is_refused() {
         assert!(RULE.accepts(1e-3, 2e-3, 1.1e-3));
         assert!(!RULE.accepts(1e-3, 2e-3, 1.0e-3));
-        assert!(!RULE.accepts(1e-5, 4e-3, 1.0e-3));
+        assert!(!RULE.accepts(1e-4, 4e-3, 1.0e-3));
         assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
+    }
+
+    /// Growth that no shorter step would lessen is no reason to refuse a step that resolves what has grown.
+    #[test]
+    fn a_step_that_resolves_the_growth_stands() {
+        assert!(RULE.accepts(1e-5, 4e-3, 1.0e-3));
+        assert!(RULE.accepts(1e-5, f64::INFINITY, 1.0e-3));
+        assert!(!RULE.accepts(1e-4, f64::INFINITY, 1.0e-3));
+        assert!(RULE.accepts(1e-1, 1.0e-3, f64::INFINITY));
+        assert!(RULE.accepts(1e-1, f64::INFINITY, f64::INFINITY));
     }
 
     /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.06 steps.
