@@ -195,7 +195,8 @@ impl AdaptiveStep {
             memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
         }
         memory.motion = motion;
-        memory.ideal_step = ideal_step;
+        // A longer one is never taken, and a state that is written down holds no infinity.
+        memory.ideal_step = ideal_step.min(self.frame_interval);
     }
 
     /// Whether the `error` [m] of a step of `step` [s] is within its part of the tolerance; how long the next step may be is
@@ -259,6 +260,18 @@ mod tests {
         assert!(!RULE.accepts(1e-4, f64::INFINITY, 1.0e-3));
         assert!(RULE.accepts(1e-1, 1.0e-3, f64::INFINITY));
         assert!(RULE.accepts(1e-1, f64::INFINITY, f64::INFINITY));
+    }
+
+    /// JSON, in which checkpoints are, has no infinity.
+    #[test]
+    fn memory_is_finite_where_nothing_is_stiff() {
+        let mut memory = StepMemory::default();
+        let ideal = RULE.ideal_step(&memory, f64::INFINITY);
+        assert_eq!(ideal, f64::INFINITY);
+        RULE.remember(&mut memory, ideal, Some(Motion::default()), 0.0, f64::INFINITY);
+        let text = serde_json::to_string(&memory).expect("JSON");
+        assert_eq!(serde_json::from_str::<StepMemory>(&text).expect("what was written"), memory);
+        assert_eq!(RULE.ideal_step(&memory, f64::INFINITY), f64::INFINITY);
     }
 
     /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.06 steps.
