@@ -24,7 +24,7 @@ pub struct State {
 /// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepMemory {
-    /// The latest step [s], had no frame been near; zero before the first.
+    /// The latest step [s], had no frame been near, up to the frame interval; zero before the first.
     pub(crate) ideal_step: f64,
     /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
     pub(crate) tolerated_step: f64,

@@ -96,7 +96,9 @@ impl StepMemory {
 /// around H would only shake them.
 ///
 /// **Guard.** A step after which the fastest frequency has grown too much (2/ω < h / 0.95, or threefold) is taken back and
-/// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps.
+/// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps. However much it has
+/// grown, a step that resolves it (h ω ≤ 0.06) stands: what begins without any stiffness or damping, and what a limit
+/// changes at once, grows by the same in the shortest step.
 ///
 /// **Frames** are hit exactly: the rest of the frame is divided by the number of steps that it needs.
 ///
@@ -159,7 +161,7 @@ impl AdaptiveStep {
         // Written so that what is not a number is refused.
         self.is_stiffness_constant
             || (step <= REJECTED_SHARE * stable_after && stable_before <= REJECTED_GROWTH * stable_after)
-            || (stable_after == f64::INFINITY)
+            || step <= 0.5 * ENERGY_ACCURACY * stable_after
     }
 
     /// Takes note of an accepted step of `step` [s], which was to be `ideal_step` [s].
@@ -193,7 +195,8 @@ impl AdaptiveStep {
             memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
         }
         memory.motion = motion;
-        memory.ideal_step = ideal_step;
+        // A longer one is never taken, and a state that is written down holds no infinity.
+        memory.ideal_step = ideal_step.min(self.frame_interval);
     }
 
     /// Whether the `error` [m] of a step of `step` [s] is within its part of the tolerance; how long the next step may be is
@@ -245,8 +248,30 @@ mod tests {
     fn a_step_that_ends_too_stiff_is_refused() {
         assert!(RULE.accepts(1e-3, 2e-3, 1.1e-3));
         assert!(!RULE.accepts(1e-3, 2e-3, 1.0e-3));
-        assert!(!RULE.accepts(1e-5, 4e-3, 1.0e-3));
+        assert!(!RULE.accepts(1e-4, 4e-3, 1.0e-3));
         assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
+    }
+
+    /// Growth that no shorter step would lessen is no reason to refuse a step that resolves what has grown.
+    #[test]
+    fn a_step_that_resolves_the_growth_stands() {
+        assert!(RULE.accepts(1e-5, 4e-3, 1.0e-3));
+        assert!(RULE.accepts(1e-5, f64::INFINITY, 1.0e-3));
+        assert!(!RULE.accepts(1e-4, f64::INFINITY, 1.0e-3));
+        assert!(RULE.accepts(1e-1, 1.0e-3, f64::INFINITY));
+        assert!(RULE.accepts(1e-1, f64::INFINITY, f64::INFINITY));
+    }
+
+    /// JSON, in which checkpoints are, has no infinity.
+    #[test]
+    fn memory_is_finite_where_nothing_is_stiff() {
+        let mut memory = StepMemory::default();
+        let ideal = RULE.ideal_step(&memory, f64::INFINITY);
+        assert_eq!(ideal, f64::INFINITY);
+        RULE.remember(&mut memory, ideal, Some(Motion::default()), 0.0, f64::INFINITY);
+        let text = serde_json::to_string(&memory).expect("JSON");
+        assert_eq!(serde_json::from_str::<StepMemory>(&text).expect("what was written"), memory);
+        assert_eq!(RULE.ideal_step(&memory, f64::INFINITY), f64::INFINITY);
     }
 
     /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.06 steps.
