@@ -1,7 +1,7 @@
 //! The run of a scene: its schedule of frames, and the steps between them.
 
 use crate::integrate::{
-    AdaptiveStep, CentralDifference, Integrator, StepError, Workers, guaranteed_stable_step,
+    AdaptiveStep, CentralDifference, IdealStep, Integrator, StepError, Workers, guaranteed_stable_step,
     largest_stable_step,
 };
 use crate::observe::{Frame, Observer};
@@ -92,7 +92,7 @@ impl Simulation {
             StepRule::Adaptive { tolerance } => {
                 let stable = guaranteed_stable_step(&model, &state);
                 let rule = adaptive_step(&settings, &model, tolerance);
-                AdaptiveStep::fit(rule.ideal_step(&state.step_memory, stable), rule.frame_interval).0
+                rule.ideal_step(&state.step_memory, stable).fit(rule.frame_interval).0
             }
         };
         CentralDifference::start(settings.start, &mut state, first_step);
@@ -236,7 +236,7 @@ impl Simulation {
         let (start, last_step) = (state.time, state.last_step);
         let mut ideal_step = rule.ideal_step(&state.step_memory, *stable);
         loop {
-            let (step, is_last) = AdaptiveStep::fit(ideal_step, end - start);
+            let (step, is_last) = ideal_step.fit(end - start);
             // Written so that what is not a number stops the run.
             if !(rule.shortest <= step && (is_last || start < start + step)) {
                 return Err(StepError::TooShort { time: start, shortest: rule.shortest });
@@ -261,7 +261,7 @@ impl Simulation {
                 && rule.accepts(step, *stable, stable_after)
                 && is_tolerated
             {
-                rule.remember(&mut state.step_memory, ideal_step, motion, last_step, *stable);
+                rule.remember(&mut state.step_memory, (ideal_step, step), motion, last_step, *stable);
                 *stable = stable_after;
                 show_step(observers, model, state);
                 return Ok(is_last);
@@ -269,7 +269,8 @@ impl Simulation {
             let tolerated_step = state.step_memory.tolerated_step;
             state.copy_from(before);
             integrator.eval_forces(model, state);
-            ideal_step = if is_tolerated { 0.5 * step } else { tolerated_step.min(0.5 * step) };
+            let longest = if is_tolerated { step } else { tolerated_step };
+            ideal_step = IdealStep::after_refusal(step, longest);
             for observer in observers.iter_mut() {
                 observer.refused_step(model, state);
             }
@@ -319,7 +320,9 @@ pub fn initial_step(scene: &Scene, model: &Model, state: &State) -> f64 {
         StepRule::Constant { .. } => constant_step(settings),
         StepRule::Adaptive { tolerance } => {
             let rule = adaptive_step(settings, model, tolerance);
-            AdaptiveStep::fit(rule.largest_step(guaranteed_stable_step(model, state)), rule.frame_interval).0
+            IdealStep::dividing(rule.largest_step(guaranteed_stable_step(model, state)))
+                .fit(rule.frame_interval)
+                .0
         }
     }
 }

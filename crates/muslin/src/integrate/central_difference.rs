@@ -147,10 +147,10 @@ impl CentralDifference {
         state.time = time;
         state.last_step = step;
         place_pins(model, time, step, state);
-        self.limiter.apply(model, &self.forces, step, state);
+        let limited = self.limiter.apply(model, &self.forces, step, state);
         match moved {
             Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
-            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+            moved => Ok(moved.map(|moved| moved.motion.add(limited)).unwrap_or_default()),
         }
     }
 }
@@ -256,13 +256,7 @@ struct Moved {
 
 impl Moved {
     fn add(self, other: Self) -> Self {
-        let (a, b) = (self.motion, other.motion);
-        let motion = Motion {
-            kinetic_energy: a.kinetic_energy + b.kinetic_energy,
-            power_before: a.power_before + b.power_before,
-            power_after: a.power_after + b.power_after,
-        };
-        Self { is_finite: self.is_finite && other.is_finite, motion }
+        Self { is_finite: self.is_finite && other.is_finite, motion: self.motion.add(other.motion) }
     }
 }
 
