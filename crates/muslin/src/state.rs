@@ -41,6 +41,14 @@ pub struct StepMemory {
     pub(crate) motion: Motion,
 }
 
+impl StepMemory {
+    /// The latest step [s], had no frame been near; zero before the first.
+    #[must_use]
+    pub fn ideal_step(&self) -> f64 {
+        self.ideal_step
+    }
+}
+
 /// Energies of the motion in one step, of the free particles alone.
 ///
 /// F are the forces where the step begins, v⁻ and v⁺ the velocities in the middle of the step before and of this one.
