@@ -8,6 +8,10 @@ use crate::observe::{Frame, Observer};
 use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
 use crate::{Model, Points, Scene, State};
 
+/// Part of a cloth's extent [1] that it has to move in a frame's time at least, all of it alike, to count as in motion:
+/// roundings of positions move it by about 1e-14.
+const LEAST_MOTION: f64 = 1e-11;
+
 /// Share of the largest stable step that is suggested when a scene asks for more.
 const SUGGESTED_SHARE: f64 = 0.9;
 
@@ -293,7 +297,11 @@ fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) 
     let constants = particles.masses().iter().zip(particles.drags());
     let by_drag = constants.map(|(mass, drag)| mass / drag).fold(f64::INFINITY, f64::min);
     let by_forces = forces.iter().map(|force| force.longest_step()).fold(f64::INFINITY, f64::min);
+    let extents = model.cloths().iter().map(|cloth| cloth.grid.extent());
+    let least_speed = LEAST_MOTION * extents.fold(0.0, f64::max) / frame_interval;
+    let mass: f64 = particles.masses().iter().sum();
     AdaptiveStep {
+        least_kinetic_energy: 0.5 * mass * least_speed * least_speed,
         frame_interval,
         longest: by_drag.min(by_forces).min(model.moving_pins().longest_step()),
         shortest: frame_interval / MAX_STEPS_PER_FRAME as f64,

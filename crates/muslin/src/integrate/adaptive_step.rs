@@ -141,6 +141,8 @@ pub struct AdaptiveStep {
     pub shortest: f64,
     /// Whether the bound on the fastest frequency is the same in all states.
     pub is_stiffness_constant: bool,
+    /// Kinetic energy [J] below which there is no motion but that of rounding.
+    pub least_kinetic_energy: f64,
     /// Largest error [m] of any position that the steps of a frame may add up to, if there is a limit.
     pub tolerance: Option<f64>,
 }
@@ -201,7 +203,7 @@ impl AdaptiveStep {
         let before = memory.motion;
         let energy = memory.peak_kinetic_energy;
         let mut share = 0.0;
-        if 0.0 < energy && 0.0 < last_step && stable_step.is_finite() {
+        if self.least_kinetic_energy < energy && 0.0 < last_step && stable_step.is_finite() {
             // v · (F_before − F_after) over the last step, with the velocity of that step.
             let lost_power = (before.power_after - motion.power_before).max(0.0);
             share = (0.5 * stable_step * (lost_power / (2.0 * energy * last_step)).sqrt()).min(1.0);
@@ -246,6 +248,7 @@ mod tests {
         longest: f64::INFINITY,
         shortest: 1e-9,
         is_stiffness_constant: false,
+        least_kinetic_energy: 0.0,
         tolerance: None,
     };
 
