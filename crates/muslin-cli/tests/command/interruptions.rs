@@ -110,21 +110,14 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
 
 /// What the rule for the step remembers is in the checkpoint.
 #[test]
-fn adaptive_runs_go_on_to_the_same_bits() {
-    for step in ["\"adaptive\"", "{ tolerance = 1e-4 }"] {
-        let rule = format!("step = {step}");
-        let stiffening = "structural = { stiffness = 20.0, law = \"tangent\", strain_scale = 3.0";
-        let changes = [
-            ("step = { constant = 5e-3 }", rule.as_str()),
-            ("structural = { stiffness = 20.0, law = \"linear\"", stiffening),
-        ];
-        let (work, outcome) = stopped_run_of(&changes, is_under_way, interrupt);
-        assert_eq!(outcome.code, Some(1));
-        work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
-        work.muslin("run scene.toml --out whole").assert_success();
-        work.assert_same_run("out", "whole");
-        work.muslin("verify out").assert_success();
-    }
+fn an_adaptive_run_goes_on_to_the_same_bits() {
+    let rule = ("step = { constant = 5e-3 }", "step = { tolerance = 1e-2 }");
+    let (work, outcome) = stopped_run_of(&[rule], is_under_way, interrupt);
+    assert_eq!(outcome.code, Some(1));
+    work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
+    work.muslin("run scene.toml --out whole").assert_success();
+    work.assert_same_run("out", "whole");
+    work.muslin("verify out").assert_success();
 }
 
 #[test]
