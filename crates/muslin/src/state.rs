@@ -42,7 +42,7 @@ pub struct StepMemory {
 }
 
 impl StepMemory {
-    /// The latest step [s], had no frame been near; zero before the first.
+    /// The latest step [s], had no frame been near; zero before the first, and where nothing limits it.
     #[must_use]
     pub fn ideal_step(&self) -> f64 {
         self.ideal_step

@@ -132,7 +132,8 @@ proptest! {
         prop_assert!(error < TOLERANCE, "{error:e} m");
     }
 
-    /// Roundings can shift a step from one frame or refusal to the next, and from there on all others, but no more.
+    /// Roundings can shift a step from one frame or refusal to the next, and from there on all others; and growth of stiffness
+    /// that just counts as unsteady in one scene and not in the other shortens the steps of two spans.
     #[test]
     fn adaptive_steps_are_the_same_elsewhere(numbers in adaptive_scene(), seed in any::<u64>()) {
         let steps = adaptive_steps(&numbers)?;
@@ -141,7 +142,7 @@ proptest! {
         let rotation = DQuat::from_axis_angle(axis, seed as f64);
         let moved = with_vectors(&numbers, |v| rotation * v, |place| rotation * place + offset);
         let others = adaptive_steps(&moved)?;
-        prop_assert!(steps.abs_diff(others) <= 4 + steps / 20, "{steps} and {others} steps");
+        prop_assert!(steps.abs_diff(others) <= 4 + steps / 4, "{steps} and {others} steps");
     }
 
     /// A mirror changes no rounding, so the mirrored motion has the same bits.

@@ -257,8 +257,8 @@ impl AdaptiveStep {
             memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
         }
         memory.motion = motion;
-        // A longer one is never taken, and a state that is written down holds no infinity.
-        memory.ideal_step = ideal_step.whole.min(self.frame_interval);
+        // A state that is written down holds no infinity.
+        memory.ideal_step = if ideal_step.whole.is_finite() { ideal_step.whole } else { 0.0 };
         let rest = ideal_step.rest - step;
         memory.rest_of_step = if ideal_step.is_cut && 1e-9 * ideal_step.whole < rest { rest } else { 0.0 };
     }
@@ -319,8 +319,10 @@ mod tests {
 
     #[test]
     fn a_step_that_ends_too_stiff_is_refused() {
-        assert!(RULE.accepts(1e-3, 2e-3, 1.1e-3));
-        assert!(!RULE.accepts(1e-3, 2e-3, 1.0e-3));
+        assert!(RULE.accepts(1e-3, 1.2e-3, 1.1e-3));
+        assert!(!RULE.accepts(1e-3, 1.1e-3, 1.0e-3));
+        assert!(RULE.accepts(4e-4, 2e-3, 1.1e-3));
+        assert!(!RULE.accepts(5e-4, 2e-3, 1.1e-3));
         assert!(!RULE.accepts(1e-4, 4e-3, 1.0e-3));
         assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
     }
