@@ -118,6 +118,10 @@ async function checkWorking() {
     check(Math.abs((await time(page)) - duration) < 0.001, "end leads to the end");
     await page.keyboard.press("ArrowLeft");
     check((await time(page)) < duration, "an arrow key leads one frame back");
+    for (const plot of await page.locator("#plots figure").all()) {
+      const looks = await plot.locator("li button").evaluateAll((buttons) => buttons.map((button) => button.style.cssText + button.className));
+      check(new Set(looks).size === looks.length, "every line of a plot looks different");
+    }
     for (const plot of await page.locator(".u-over").all()) {
       const box = await plot.boundingBox();
       await page.mouse.move(box.x + 5, box.y + box.height / 2);

@@ -18,7 +18,7 @@ export interface PlotOptions {
   seek: (time: number) => void;
 }
 
-const DYES = ["--indigo", "--madder", "--weld", "--sage", "--plum", "--walnut", "--sky", "--moss"];
+const DYES = ["--indigo", "--madder", "--weld", "--sage", "--plum", "--walnut", "--sky", "--moss", "--rose"];
 
 interface Line {
   name: string;

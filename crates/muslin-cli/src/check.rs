@@ -64,8 +64,11 @@ fn write_check(
         StepRule::Constant { .. } => {
             writeln!(out, "  step                 {} ({step:.12e} s), {steps} of them", duration_text(step))?;
         }
-        StepRule::Adaptive { .. } => {
-            writeln!(out, "  step                 adaptive: {} in the initial shape", duration_text(step))?;
+        StepRule::Adaptive { tolerance } => {
+            let tolerance =
+                tolerance.map_or_else(String::new, |e| format!(", or less for a tolerance of {e:?} m"));
+            let step = duration_text(step);
+            writeln!(out, "  step                 adaptive: {step} in the initial shape{tolerance}")?;
         }
     }
     let largest = largest_stable_step(model, state, workers);
@@ -112,9 +115,14 @@ fn write_cost(out: &mut impl Write, scene: &Scene, model: &Model, step: f64, cos
         duration_text(steps * cost),
         match settings.step {
             StepRule::Constant { .. } => "",
-            StepRule::Adaptive { .. } => ", more if springs stiffen",
+            StepRule::Adaptive { tolerance: None } => ", more if springs stiffen",
+            StepRule::Adaptive { tolerance: Some(_) } =>
+                ", more if springs stiffen or the tolerance asks for it",
         }
     )?;
     writeln!(out, "  estimated size       {} MB for trajectory.npz", significant(bytes * 1e-6))?;
+    for warning in scene.warnings() {
+        writeln!(out, "warning: {warning}")?;
+    }
     out.flush()
 }

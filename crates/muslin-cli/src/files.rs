@@ -4,6 +4,7 @@ use std::io;
 
 use muslin::force::{Configuration, Family};
 use muslin::observe::{EnergyTerms, ExpectOutcome, FrameRecord};
+use muslin::scene::StepRule;
 use muslin::write::{
     FrameSource, GlbInfo, ViewInfo, ViewSeries, write_glb, write_poster, write_series, write_trajectory,
     write_view,
@@ -194,13 +195,16 @@ fn strain_series(frames: &[FrameRecord]) -> Vec<(String, Vec<f64>)> {
     series
 }
 
-/// What a reader of the page must know of a run that ended early, at `time` [s].
-fn notice(ending: &Ending, time: f64) -> Option<String> {
-    match ending {
+/// What a reader of the page must know of a run: why it ended early, at `time` [s], and its warnings.
+fn notice(ending: &Ending, time: f64, warnings: &[String]) -> Option<String> {
+    let end = match ending {
         Ending::Complete => None,
         Ending::Interrupted => Some(format!("This run was stopped at {time:.6} s.")),
         Ending::Failed(error) => Some(format!("This run failed: {error}. The frames before it are shown.")),
-    }
+    };
+    let warnings = warnings.iter().map(|warning| format!("Warning: {warning}."));
+    let sentences: Vec<String> = end.into_iter().chain(warnings).collect();
+    (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
 /// What `view.html` tells beside the motion.
@@ -223,7 +227,11 @@ fn view_info(
         ("method".to_owned(), method_name(settings.method).to_owned()),
     ];
     if let Some(step) = recorder.steps().largest {
-        facts.push(("step".to_owned(), duration_text(step)));
+        let name = match settings.step {
+            StepRule::Constant { .. } => "step",
+            StepRule::Adaptive { .. } => "longest step",
+        };
+        facts.push((name.to_owned(), duration_text(step)));
     }
     if let [Some(max), _, _] = recorder.max_strains() {
         facts.push(("largest strain".to_owned(), strain_text(max)));
@@ -241,7 +249,7 @@ fn view_info(
     let strains = strain_series(frames).into_iter().filter(|(name, _)| !name.ends_with("_min"));
     ViewInfo {
         title: scene.title().to_owned(),
-        notice: notice(ending, frames.last().map_or(0.0, |frame| frame.time)),
+        notice: notice(ending, frames.last().map_or(0.0, |frame| frame.time), &scene.warnings()),
         frame_rate: settings.frame_rate,
         facts,
         times: frames.iter().map(|frame| frame.time).collect(),

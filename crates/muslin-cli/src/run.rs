@@ -227,8 +227,8 @@ pub(crate) fn unstable(error: &SimulationError) -> CliError {
         SimulationError::UnstableStep { suggestion, .. } => CliError::input(
             error,
             format_args!(
-                "take `step = {{ constant = {suggestion:.12e} }}`, or try it all the same with \
-                 `--set run.allow-unstable=true`"
+                "leave `step` out, so that it is adaptive, take `step = {{ constant = {suggestion:.12e} }}`, or try it all \
+                 the same with `--set run.allow-unstable=true`"
             ),
         ),
         other => CliError::input(other, "change the scene"),

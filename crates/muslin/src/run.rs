@@ -1,12 +1,16 @@
 //! The run of a scene: its schedule of frames, and the steps between them.
 
 use crate::integrate::{
-    AdaptiveStep, CentralDifference, Integrator, StepError, Workers, constant_stiffness,
+    AdaptiveStep, CentralDifference, IdealStep, Integrator, StepError, Workers, constant_stiffness,
     guaranteed_stable_step, largest_stable_step,
 };
 use crate::observe::{Frame, Observer};
 use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
 use crate::{Model, Points, Scene, State};
+
+/// Part of a cloth's extent [1] that it has to move in a frame's time at least, all of it alike, to count as in motion:
+/// roundings of positions move it by about 1e-14.
+const LEAST_MOTION: f64 = 1e-11;
 
 /// Share of the largest stable step that is suggested when a scene asks for more.
 const SUGGESTED_SHARE: f64 = 0.9;
@@ -93,12 +97,12 @@ impl Simulation {
             }
             StepRule::Adaptive { tolerance } => {
                 let stable = guaranteed_stable_step(&model, &state);
-                let rule = adaptive_step(&settings, &model, tolerance);
-                AdaptiveStep::fit(rule.ideal_step(&state.step_memory, stable), rule.frame_interval).0
+                let rule = adaptive_step(scene, &model, tolerance);
+                rule.ideal_step(&state.step_memory, stable).fit(rule.frame_interval).0
             }
         };
         CentralDifference::start(settings.start, &mut state, first_step);
-        Ok(Self::at_frame(model, state, integrator, settings, 0))
+        Ok(Self::at_frame(scene, model, state, integrator, 0))
     }
 
     /// `scene` at frame `frame_index`, whose `state` an earlier run reached.
@@ -132,16 +136,17 @@ impl Simulation {
         if state.time != time {
             return wrong(format!("it is at {} s, but frame {frame_index} is at {time} s", state.time));
         }
-        Ok(Self::at_frame(model, state, integrator, settings, frame_index))
+        Ok(Self::at_frame(scene, model, state, integrator, frame_index))
     }
 
     fn at_frame(
+        scene: &Scene,
         model: Model,
         state: State,
         mut integrator: Box<dyn Integrator>,
-        settings: RunSettings,
         frame_index: u64,
     ) -> Self {
+        let settings = scene.run().clone();
         let mut velocities = Points::zeros(state.positions.len());
         let steps = match settings.step {
             StepRule::Constant { steps_per_frame } => {
@@ -151,7 +156,7 @@ impl Simulation {
             StepRule::Adaptive { tolerance } => {
                 let constant_stiffness = constant_stiffness(&model, &state);
                 let stable = integrator.eval_forces_and_stable_step(&model, &state, constant_stiffness);
-                let rule = adaptive_step(&settings, &model, tolerance);
+                let rule = adaptive_step(scene, &model, tolerance);
                 Steps::Adaptive {
                     rule,
                     constant_stiffness,
@@ -244,7 +249,7 @@ impl Simulation {
         let (start, last_step) = (state.time, state.last_step);
         let mut ideal_step = rule.ideal_step(&state.step_memory, *stable);
         loop {
-            let (step, is_last) = AdaptiveStep::fit(ideal_step, end - start);
+            let (step, is_last) = ideal_step.fit(end - start);
             // Written so that what is not a number stops the run.
             if !(rule.shortest <= step && (is_last || start < start + step)) {
                 return Err(StepError::TooShort { time: start, shortest: rule.shortest });
@@ -272,7 +277,13 @@ impl Simulation {
                 rule.tolerates(&mut state.step_memory, error, step)
             };
             if is_finite && rule.accepts(step, *stable, stable_after) && is_tolerated {
-                rule.remember(&mut state.step_memory, ideal_step, motion, last_step, *stable);
+                rule.remember(
+                    &mut state.step_memory,
+                    (ideal_step, step),
+                    motion,
+                    last_step,
+                    [*stable, stable_after],
+                );
                 *stable = stable_after;
                 show_step(observers, model, state);
                 return Ok(is_last);
@@ -280,7 +291,8 @@ impl Simulation {
             let tolerated_step = state.step_memory.tolerated_step;
             state.copy_from(before);
             integrator.eval_forces(model, state);
-            ideal_step = if is_tolerated { 0.5 * step } else { tolerated_step.min(0.5 * step) };
+            let longest = if is_tolerated { step } else { tolerated_step };
+            ideal_step = IdealStep::after_refusal(step, longest);
             for observer in observers.iter_mut() {
                 observer.refused_step(model, state);
             }
@@ -295,7 +307,8 @@ fn show_step(observers: &mut [&mut dyn Observer], model: &Model, state: &State) 
 }
 
 /// The rule for the adaptive steps of a run.
-fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) -> AdaptiveStep {
+fn adaptive_step(scene: &Scene, model: &Model, tolerance: Option<f64>) -> AdaptiveStep {
+    let settings = scene.run();
     let frame_interval = 1.0 / settings.frame_rate;
     let forces = model.forces();
     let particles = model.particles();
@@ -303,11 +316,16 @@ fn adaptive_step(settings: &RunSettings, model: &Model, tolerance: Option<f64>) 
     let constants = particles.masses().iter().zip(particles.drags());
     let by_drag = constants.map(|(mass, drag)| mass / drag).fold(f64::INFINITY, f64::min);
     let by_forces = forces.iter().map(|force| force.longest_step()).fold(f64::INFINITY, f64::min);
+    let extents = model.cloths().iter().map(|cloth| cloth.grid.extent());
+    let least_speed = LEAST_MOTION * extents.fold(0.0, f64::max) / frame_interval;
+    let mass: f64 = particles.masses().iter().sum();
     AdaptiveStep {
+        least_kinetic_energy: 0.5 * mass * least_speed * least_speed,
         frame_interval,
         longest: by_drag.min(by_forces).min(model.moving_pins().longest_step()),
         shortest: frame_interval / MAX_STEPS_PER_FRAME as f64,
         is_stiffness_constant: !forces.iter().any(|force| force.has_varying_bounds()),
+        flat_stable_step: guaranteed_stable_step(model, &model.initial_state(scene)),
         tolerance,
     }
 }
@@ -329,8 +347,10 @@ pub fn initial_step(scene: &Scene, model: &Model, state: &State) -> f64 {
     match settings.step {
         StepRule::Constant { .. } => constant_step(settings),
         StepRule::Adaptive { tolerance } => {
-            let rule = adaptive_step(settings, model, tolerance);
-            AdaptiveStep::fit(rule.largest_step(guaranteed_stable_step(model, state)), rule.frame_interval).0
+            let rule = adaptive_step(scene, model, tolerance);
+            IdealStep::dividing(rule.largest_step(guaranteed_stable_step(model, state)))
+                .fit(rule.frame_interval)
+                .0
         }
     }
 }

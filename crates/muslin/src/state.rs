@@ -24,8 +24,10 @@ pub struct State {
 /// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepMemory {
-    /// The latest step [s], had no frame been near; zero before the first.
+    /// The latest step [s], had no frame been near, up to the frame interval; zero before the first.
     pub(crate) ideal_step: f64,
+    /// What is left of it [s] behind a frame that cut it in two; zero if nothing is.
+    pub(crate) rest_of_step: f64,
     /// The longest step [s] that keeps the tolerance; zero if there is no tolerance or no step yet.
     pub(crate) tolerated_step: f64,
     /// Largest frequency at which the motion's energy oscillates, relative to the fastest of any motion [1], over this span
@@ -39,6 +41,14 @@ pub struct StepMemory {
     pub(crate) motion: Option<Motion>,
 }
 
+impl StepMemory {
+    /// The latest step [s], had no frame been near; zero before the first, and where nothing limits it.
+    #[must_use]
+    pub fn ideal_step(&self) -> f64 {
+        self.ideal_step
+    }
+}
+
 /// Energies of the motion in one step, of the free particles alone.
 ///
 /// F are the forces where the step begins, v⁻ and v⁺ the velocities in the middle of the step before and of this one.
@@ -50,6 +60,16 @@ pub struct Motion {
     pub power_before: f64,
     /// Σ F · v⁺ [W].
     pub power_after: f64,
+}
+
+impl Motion {
+    pub(crate) fn add(self, other: Self) -> Self {
+        Self {
+            kinetic_energy: self.kinetic_energy + other.kinetic_energy,
+            power_before: self.power_before + other.power_before,
+            power_after: self.power_after + other.power_after,
+        }
+    }
 }
 
 /// Work [J] of limits on the particles in one step; zero where there are none.

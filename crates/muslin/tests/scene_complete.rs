@@ -118,6 +118,28 @@ fn a_scene_warns_of_what_its_reader_must_know() {
     );
 }
 
+/// A tolerance of more than a tenth of the distance of neighbours, here 0.1 m, is most likely one in millimetres.
+#[test]
+fn a_scene_warns_of_a_loose_tolerance() {
+    let warnings = |step: &str| {
+        let text = COMPLETE.replace("{ constant = 1e-3 }", step);
+        assert_ne!(text, COMPLETE);
+        Scene::parse(&text).expect("a good scene").warnings()
+    };
+    let usual = Scene::parse(COMPLETE).expect("a good scene").warnings();
+    assert_eq!(warnings("\"adaptive\""), usual);
+    assert_eq!(warnings("{ tolerance = 1e-4 }"), usual);
+    let loose = warnings("{ tolerance = 0.1 }");
+    assert_eq!(loose[..usual.len()], usual);
+    assert_eq!(
+        loose[usual.len()..],
+        [
+            "`run.step.tolerance` is 0.1 m, more than a tenth of the 0.1 m between neighbours, so it hardly asks for \
+          anything"
+        ]
+    );
+}
+
 /// What a scene may leave out has the value that the reference states.
 #[test]
 fn a_short_scene_has_the_stated_defaults() {

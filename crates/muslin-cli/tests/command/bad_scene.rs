@@ -187,7 +187,7 @@ fn a_step_larger_than_stable() {
         2,
         "\
 error: `run.step.constant` is 5.000000e-2 s, but the largest stable step of this scene is 3.012144e-2 s
-  help: take `step = { constant = 2.500000000000e-2 }`, or try it all the same with `--set run.allow-unstable=true`",
+  help: leave `step` out, so that it is adaptive, take `step = { constant = 2.500000000000e-2 }`, or try it all the same with `--set run.allow-unstable=true`",
     );
     assert_eq!(work.names("."), ["scene.toml"]);
     let suggestion = outcome.stderr.split('`').find_map(|part| part.strip_prefix("step = "));

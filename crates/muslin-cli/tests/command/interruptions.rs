@@ -22,12 +22,23 @@ direction = [0.0, 0.0, 1.0]
 ///
 /// How long a run must be for that depends on the machine.
 fn stopped_run(is_ready: impl Fn(&Work) -> bool, stop: impl Fn(Child) -> Outcome) -> (Work, Outcome) {
+    stopped_run_of(&[], is_ready, stop)
+}
+
+/// The same of a scene with pieces replaced.
+fn stopped_run_of(
+    changes: &[(&str, &str)],
+    is_ready: impl Fn(&Work) -> bool,
+    stop: impl Fn(Child) -> Outcome,
+) -> (Work, Outcome) {
     for duration in ["10.0", "40.0", "160.0", "640.0", "2560.0"] {
-        let work = Work::with_scene(&[
-            ("duration = 0.5", &format!("duration = {duration}")),
+        let (duration, wind) = (format!("duration = {duration}"), format!("{WIND}\n[fabric.plain]"));
+        let long = [
+            ("duration = 0.5", duration.as_str()),
             ("columns = 5, rows = 4", "columns = 32, rows = 32"),
-            ("[fabric.plain]", &format!("{WIND}\n[fabric.plain]")),
-        ]);
+            ("[fabric.plain]", wind.as_str()),
+        ];
+        let work = Work::with_scene(&[changes, &long].concat());
         let mut command = work.command(["run", "scene.toml", "--out", "out"]);
         let mut run =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the command starts");
@@ -113,6 +124,18 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
          choose another folder with `--out DIR`",
     );
     work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
+    work.assert_same_run("out", "whole");
+    work.muslin("verify out").assert_success();
+}
+
+/// What the rule for the step remembers is in the checkpoint.
+#[test]
+fn an_adaptive_run_goes_on_to_the_same_bits() {
+    let rule = ("step = { constant = 5e-3 }", "step = { tolerance = 1e-2 }");
+    let (work, outcome) = stopped_run_of(&[rule], is_under_way, interrupt);
+    assert_eq!(outcome.code, Some(1));
+    work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
+    work.muslin("run scene.toml --out whole").assert_success();
     work.assert_same_run("out", "whole");
     work.muslin("verify out").assert_success();
 }

@@ -35,6 +35,25 @@ Small cloth
 }
 
 #[test]
+fn check_tells_the_rule_of_the_step_and_warns() {
+    let limit = "drag = 0.01\nlimit = { kind = \"cut-off\", strain = 0.1 }";
+    let work = Work::with_scene(&[("{ constant = 5e-3 }", "{ tolerance = 1e-4 }"), ("drag = 0.01", limit)]);
+    let outcome = work.muslin("check scene.toml");
+    outcome.assert_success();
+    let line = |start: &str| outcome.stdout.lines().find(|line| line.starts_with(start)).expect(start);
+    let step = line("  step  ");
+    assert!(step.ends_with(" in the initial shape, or less for a tolerance of 0.0001 m"), "{step}");
+    let cost = line("  estimated cost  ");
+    assert!(cost.ends_with(", more if springs stiffen or the tolerance asks for it"), "{cost}");
+    assert!(
+        line("warning: ").starts_with("warning: `fabric.plain.limit` shortens springs"),
+        "{}",
+        outcome.stdout
+    );
+    assert!(!outcome.stdout.contains("suggested"), "{}", outcome.stdout);
+}
+
+#[test]
 fn every_new_scene_runs() {
     let work = Work::new();
     let list = work.muslin("new");

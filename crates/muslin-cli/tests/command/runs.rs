@@ -114,6 +114,21 @@ fn a_violated_expectation_fails_a_run_that_wrote_all_files() {
 }
 
 #[test]
+fn the_page_shows_warnings_and_names_the_step() {
+    let limit = "drag = 0.01\nlimit = { kind = \"cut-off\", strain = 0.1 }";
+    let work = Work::with_scene(&[("step = { constant = 5e-3 }\n", ""), ("drag = 0.01", limit)]);
+    work.muslin("run scene.toml --out limited").assert_success();
+    let page = work.text("limited/view.html");
+    assert!(page.contains("Warning: `fabric.plain.limit` shortens springs"), "the page does not warn");
+    assert!(page.contains("[\"longest step\","), "the page does not say which step it shows");
+
+    let work = Work::with_scene(&[]);
+    work.muslin("run scene.toml --out plain").assert_success();
+    let page = work.text("plain/view.html");
+    assert!(page.contains("\"notice\":null") && page.contains("[\"step\","), "a plain run needs no notice");
+}
+
+#[test]
 fn numbers_have_units_and_paths_are_quoted() {
     let expect = "[expect]\nmax_strain = { below = 10.0 }\nlowest_point = { between = [-50.0, 1e-12] }\n\n[environment]";
     let work = Work::with_scene(&[("[environment]", expect), ("origin = [0.0, 1.0", "origin = [0.0, -1.0")]);

@@ -95,3 +95,21 @@ fn springs_that_stiffen_need_a_smaller_step() {
                 check the quantities of the scene\n";
     assert!(outcome.stderr.ends_with(help), "{}", outcome.stderr);
 }
+
+/// The smallest tolerance that a scene can have is below what any step keeps.
+#[test]
+fn a_tolerance_that_no_step_keeps_ends_the_run() {
+    let work = Work::with_scene(&[("{ constant = 5e-3 }", "{ tolerance = 1e-30 }")]);
+    let outcome = work.muslin("run scene.toml --out out");
+    outcome.assert_failure(
+        1,
+        "error: at 0.000000 s the adaptive step would have to be shorter than 1.164e-11 s: the motion is no longer \
+         finite there, or no step is short enough for the stiffness or the tolerance; out holds the frames before it\n  \
+         help: raise the tolerance, or check the quantities of the scene",
+    );
+    let summary = work.summary("out");
+    assert_eq!((&summary["status"], &summary["frames"]), (&json!("failed"), &json!(1)));
+    let file = BufReader::new(File::open(work.path("out/trajectory.npz")).expect("a trajectory"));
+    assert_eq!(TrajectoryReader::new(file).expect("a whole trajectory").frame_count(), 1);
+    work.muslin("verify out").assert_success();
+}

@@ -147,28 +147,11 @@ impl CentralDifference {
         state.time = time;
         state.last_step = step;
         place_pins(model, time, step, state);
-        self.limiter.apply(model, &self.forces, step, state);
+        let limited = self.limiter.apply(model, &self.forces, step, state);
         match moved {
             Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
-            Some(Moved { motion, .. }) if is_measured && !model.limits().is_empty() => {
-                Ok(self.measure_limited(particles, state, motion))
-            }
-            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+            moved => Ok(moved.map(|moved| moved.motion.add(limited)).unwrap_or_default()),
         }
-    }
-
-    /// `motion` with the velocities that limits have left.
-    fn measure_limited(&self, particles: &Particles, state: &State, motion: Motion) -> Motion {
-        let (masses, pinned) = (particles.masses(), particles.pinned());
-        let (velocities, forces) = (&state.velocities, &self.forces);
-        let axes = [(&velocities.x, &forces.x), (&velocities.y, &forces.y), (&velocities.z, &forces.z)];
-        let of_free = |i: usize, value: f64| if pinned[i] { 0.0 } else { value };
-        let [mut kinetic_energy, mut power_after] = [0.0; 2];
-        for (velocities, forces) in axes {
-            kinetic_energy += sum_in_lanes(velocities, |i, v| of_free(i, 0.5 * masses[i] * v * v));
-            power_after += sum_in_lanes(velocities, |i, v| of_free(i, forces[i] * v));
-        }
-        Motion { kinetic_energy, power_after, ..motion }
     }
 }
 
@@ -261,13 +244,7 @@ struct Moved {
 
 impl Moved {
     fn add(self, other: Self) -> Self {
-        let (a, b) = (self.motion, other.motion);
-        let motion = Motion {
-            kinetic_energy: a.kinetic_energy + b.kinetic_energy,
-            power_before: a.power_before + b.power_before,
-            power_after: a.power_after + b.power_after,
-        };
-        Self { is_finite: self.is_finite && other.is_finite, motion }
+        Self { is_finite: self.is_finite && other.is_finite, motion: self.motion.add(other.motion) }
     }
 }
 

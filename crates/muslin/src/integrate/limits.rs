@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{LimitWork, Model, Points, State};
+use crate::{LimitWork, Model, Motion, Points, State};
 
 /// Applies limits, with memory of its own.
 #[derive(Debug, Default)]
@@ -25,10 +25,13 @@ impl Limiter {
     /// The second term is the drag that the energy ledger takes from v⁺ + Δ, and the step itself from v. Without drag
     /// this is exact: forces and limits together change the kinetic energy by their works, and by nothing else. On a pin
     /// that moves with v⁺ it does the work p · v⁺ / h.
-    pub(super) fn apply(&mut self, model: &Model, forces: &Points, step: f64, state: &mut State) {
+    ///
+    /// What [`Motion`] holds after the step, of the velocities v⁺, changes by what is returned.
+    pub(super) fn apply(&mut self, model: &Model, forces: &Points, step: f64, state: &mut State) -> Motion {
         state.limit_work = LimitWork::default();
+        let mut motion = Motion::default();
         if model.limits().is_empty() {
-            return;
+            return motion;
         }
         let particles = model.particles();
         if self.impulses.len() != state.positions.len() {
@@ -52,6 +55,9 @@ impl Limiter {
             let momentum = (velocity + 0.5 * change) * (mass + step * drag);
             state.limit_work.on_free += change.dot(momentum - forces.get(particle) * (0.5 * step));
             state.velocities.set(particle, velocity + change);
+            motion.power_after += change.dot(forces.get(particle));
+            motion.kinetic_energy += mass * change.dot(velocity + 0.5 * change);
         }
+        motion
     }
 }

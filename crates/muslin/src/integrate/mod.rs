@@ -7,7 +7,7 @@ mod pins;
 mod stability;
 mod workers;
 
-pub use adaptive_step::AdaptiveStep;
+pub use adaptive_step::{AdaptiveStep, IdealStep};
 pub use central_difference::CentralDifference;
 pub use stability::{constant_stiffness, guaranteed_stable_step, largest_stable_step};
 pub use workers::{SplitArrays, Workers};

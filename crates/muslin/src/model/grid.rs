@@ -42,6 +42,12 @@ impl Grid {
         self.columns * self.rows
     }
 
+    /// Width and height together [m]; zero for a single particle.
+    #[must_use]
+    pub fn extent(&self) -> f64 {
+        (self.columns - 1) as f64 * self.column_spacing + (self.rows - 1) as f64 * self.row_spacing
+    }
+
     /// The particle at `column`, `row`.
     #[must_use]
     pub fn particle(&self, column: usize, row: usize) -> usize {

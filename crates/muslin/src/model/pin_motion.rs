@@ -48,14 +48,17 @@ impl PinMotion {
         }
     }
 
-    /// The longest step [s] that follows the path: a twentieth of a period, or the shortest time between two keys.
+    /// The longest step [s] that follows the path: a twentieth of a period, or the shortest time between two keys that
+    /// differ; +∞ if the pin stays where it is.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
         match self {
+            Self::Sine(path) if path.amplitude == DVec3::ZERO => f64::INFINITY,
             Self::Sine(path) => TAU / (path.angular_frequency.abs() * STEPS_PER_PERIOD),
             Self::Keyframes(path) => {
                 let pairs = path.keyframes.keys().windows(2);
-                pairs.map(|keys| keys[1].time - keys[0].time).fold(f64::INFINITY, f64::min)
+                let moving = pairs.filter(|keys| keys[0].displacement != keys[1].displacement);
+                moving.map(|keys| keys[1].time - keys[0].time).fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -261,6 +264,23 @@ mod tests {
                 assert!(error < 1e-8, "{error:e} m/s at {time} s of {path:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_pin_that_stays_allows_any_step() {
+        let sine = |amplitude: f64, angular_frequency: f64| {
+            PinMotion::Sine(SinePath { amplitude: DVec3::X * amplitude, angular_frequency, phase: 0.4 })
+        };
+        assert_eq!(sine(0.0, 1e6).longest_step(), f64::INFINITY);
+        assert_eq!(sine(0.1, 0.0).longest_step(), f64::INFINITY);
+        assert!((sine(0.1, 1e3).longest_step() / (TAU / 2e4) - 1.0).abs() < 1e-15);
+        let held = [[0.0; 4], [1e-6, 0.0, 0.0, 0.0], [0.5, 0.1, 0.0, 0.0], [0.500001, 0.1, 0.0, 0.0]];
+        let keyframes = |count: usize| {
+            let keyframes = Keyframes::new(&held[..count]).expect("good keys");
+            PinMotion::Keyframes(KeyframePath::new(&keyframes)).longest_step()
+        };
+        assert_eq!(keyframes(2), f64::INFINITY);
+        assert!((keyframes(4) - 0.499999).abs() < 1e-15, "{}", keyframes(4));
     }
 
     #[test]

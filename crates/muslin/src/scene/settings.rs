@@ -4,8 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::read::joined;
+use super::read::{joined, rounded};
 use super::{DataFile, Keyframes, TensionCurve};
+
+/// Tolerance relative to the distance of neighbours above which it is loose: errors of a tenth in every frame are strains
+/// of a tenth.
+const LOOSE_TOLERANCE: f64 = 0.1;
 
 /// A checked scene: what a run needs to know, in SI units.
 ///
@@ -107,7 +111,19 @@ impl Scene {
             };
             Some(format!("`{}.limit` {effect}", joined("fabric", name)))
         });
-        noisy.chain(unmoved).chain(of_limits).collect()
+        let spacing =
+            self.cloths.iter().map(|cloth| cloth.grid.smallest_spacing()).fold(f64::INFINITY, f64::min);
+        let loose = match self.run.step {
+            StepRule::Adaptive { tolerance: Some(tolerance) } if LOOSE_TOLERANCE * spacing < tolerance => {
+                Some(format!(
+                    "`run.step.tolerance` is {tolerance:?} m, more than a tenth of the {} m between neighbours, so it \
+                 hardly asks for anything",
+                    rounded(spacing)
+                ))
+            }
+            _ => None,
+        };
+        noisy.chain(unmoved).chain(of_limits).chain(loose).collect()
     }
 
     /// What the run must give.
@@ -336,6 +352,15 @@ pub struct GridSettings {
     pub width: f64,
     /// Distance from the first to the last row [m]; zero if there is one row, else positive.
     pub height: f64,
+}
+
+impl GridSettings {
+    /// Smallest distance [m] of neighbours along columns and rows; infinite if there are none.
+    pub(super) fn smallest_spacing(self) -> f64 {
+        let spacing =
+            |extent: f64, count: usize| if count == 1 { f64::INFINITY } else { extent / (count - 1) as f64 };
+        spacing(self.width, self.columns).min(spacing(self.height, self.rows))
+    }
 }
 
 /// `cloth.place`

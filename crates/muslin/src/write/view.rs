@@ -30,7 +30,7 @@ pub const VIEW_VERTEX_FRAMES: usize = 1 << 21;
 pub struct ViewInfo {
     /// Title of the run; `muslin` is shown in place of a blank one.
     pub title: String,
-    /// A sentence that is shown prominently below the title, such as why the run stopped before its end.
+    /// What is shown prominently below the title: why the run stopped before its end, warnings.
     pub notice: Option<String>,
     /// Frames of the run per simulated second [1/s]: frame n is at n / `frame_rate`.
     pub frame_rate: f64,

@@ -29,13 +29,25 @@ const FAMILIES: [&str; 3] = ["structural", "shear", "bend"];
 pub(crate) struct SceneNumbers {
     pub(crate) frame_intervals: u32,
     pub(crate) frame_rate: f64,
+    /// Of a constant step.
     pub(crate) steps_per_frame: u32,
+    pub(crate) step_rule: StepNumbers,
     pub(crate) as_printed_start: bool,
     pub(crate) allow_unstable: bool,
     pub(crate) gravity: [f64; 3],
     pub(crate) winds: Vec<WindNumbers>,
     pub(crate) airs: Vec<AirNumbers>,
     pub(crate) cloths: Vec<ClothNumbers>,
+}
+
+/// How the step is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum StepNumbers {
+    /// As many as the scene has steps per frame.
+    Constant,
+    Adaptive,
+    /// With this error [m] per frame.
+    Tolerance(f64),
 }
 
 /// A wind F = [A sin(ω t + φ) + ε] d on every particle.
@@ -116,6 +128,7 @@ impl Default for SceneNumbers {
             frame_intervals: 50,
             frame_rate: 50.0,
             steps_per_frame: 20,
+            step_rule: StepNumbers::Constant,
             as_printed_start: false,
             allow_unstable: false,
             gravity: [0.0, -9.81, 0.0],
@@ -170,9 +183,18 @@ impl Default for ClothNumbers {
 }
 
 impl SceneNumbers {
-    /// The step [s].
+    /// The constant step [s].
     pub(crate) fn step(&self) -> f64 {
         1.0 / (self.frame_rate * f64::from(self.steps_per_frame))
+    }
+
+    /// The step, as in a scene file.
+    fn step_text(&self) -> String {
+        match self.step_rule {
+            StepNumbers::Constant => format!("{{ constant = {:?} }}", self.step()),
+            StepNumbers::Adaptive => "\"adaptive\"".to_owned(),
+            StepNumbers::Tolerance(tolerance) => format!("{{ tolerance = {tolerance:?} }}"),
+        }
     }
 
     /// The scene's text.
@@ -180,12 +202,12 @@ impl SceneNumbers {
         let start = if self.as_printed_start { "as-printed" } else { "consistent" };
         let mut text = format!(
             "title = \"test\"\n\
-             [run]\nduration = {:?}\nframe_rate = {:?}\nstep = {{ constant = {:?} }}\nstart = \"{start}\"\n\
+             [run]\nduration = {:?}\nframe_rate = {:?}\nstep = {}\nstart = \"{start}\"\n\
              allow-unstable = {}\n\
              [environment]\ngravity = {:?}\n",
             f64::from(self.frame_intervals) / self.frame_rate,
             self.frame_rate,
-            self.step(),
+            self.step_text(),
             self.allow_unstable,
             self.gravity,
         );

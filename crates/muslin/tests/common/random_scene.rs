@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::{AirNumbers, CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, WindNumbers};
+use super::{
+    AirNumbers, CURVE, ClothNumbers, LINEAR, Random, SceneNumbers, SineNumbers, StepNumbers, WindNumbers,
+};
 
 /// Half a second of one cloth: any grid up to 8 x 8, any place, pins, motion of pins, wind, gravity, start and force direction.
 ///
@@ -28,6 +30,7 @@ pub(crate) fn random_scene() -> impl Strategy<Value = SceneNumbers> {
             frame_intervals: 10,
             frame_rate,
             steps_per_frame: (1.0 / (frame_rate * 0.4 * stable)).ceil() as u32,
+            step_rule: StepNumbers::Constant,
             as_printed_start: random.below(2) == 0,
             allow_unstable: true,
             gravity: if random.below(4) == 0 { [0.0; 3] } else { random.vector(10.0) },

@@ -7,8 +7,8 @@
 mod common;
 
 use common::{
-    AirNumbers, CURVE, ClothNumbers, SceneNumbers, SineNumbers, WindNumbers, assert_golden, finish,
-    simulation, workers,
+    AirNumbers, CURVE, ClothNumbers, SceneNumbers, SineNumbers, StepNumbers, WindNumbers, assert_golden,
+    finish, simulation, workers,
 };
 use muslin::integrate::Workers;
 use muslin::observe::{Recorder, StateHash};
@@ -130,6 +130,42 @@ fn large(airs: Vec<AirNumbers>) -> SceneNumbers {
     }
 }
 
+/// With steps of another rule.
+fn with_rule(step_rule: StepNumbers, numbers: SceneNumbers) -> SceneNumbers {
+    SceneNumbers { step_rule, ..numbers }
+}
+
+/// Structural springs of the tangent law.
+fn stiffening(mut numbers: SceneNumbers) -> SceneNumbers {
+    numbers.cloths[0].laws[0] = "law = \"tangent\", strain_scale = 0.06";
+    numbers
+}
+
+/// A mass on a spring that stiffens, without drag, which frames cut steps of in two.
+fn cut_steps() -> SceneNumbers {
+    let mut numbers = stiffening(pendulum());
+    let cloth = &mut numbers.cloths[0];
+    (cloth.columns, cloth.drag, cloth.rest_length_direction) = (2, 0.0, false);
+    let gravity = [20.0, 0.0, 0.0];
+    with_rule(
+        StepNumbers::Adaptive,
+        SceneNumbers { gravity, frame_rate: 270.0, frame_intervals: 270, ..numbers },
+    )
+}
+
+/// All rules but the constant one: steps that stability, the energy and a tolerance choose, some of them refused.
+fn adaptive() -> [(&'static str, SceneNumbers); 6] {
+    let short = |numbers| SceneNumbers { frame_intervals: 40, ..stiffening(numbers) };
+    [
+        ("inline-adaptive", with_rule(StepNumbers::Adaptive, stiffening(hanging()))),
+        ("inline-adaptive-linear", with_rule(StepNumbers::Adaptive, flag())),
+        ("inline-adaptive-shaken", with_rule(StepNumbers::Adaptive, stiffening(shaken()))),
+        ("inline-adaptive-cut", cut_steps()),
+        ("inline-adaptive-limit", with_rule(StepNumbers::Adaptive, stiffening(limited(CUT_OFF)))),
+        ("inline-tolerance", with_rule(StepNumbers::Tolerance(1e-5), short(flutter()))),
+    ]
+}
+
 fn last_hash(simulation: &Simulation) -> StateHash {
     StateHash::new(&simulation.frame().state.positions, simulation.frame().velocities)
 }
@@ -200,6 +236,39 @@ fn curve_has_the_recorded_bits() {
 }
 
 #[test]
+fn adaptive_steps_have_the_recorded_bits() {
+    for (name, numbers) in adaptive() {
+        assert_golden(name, hash(&numbers.scene(), Workers::single()));
+    }
+}
+
+/// The scenes above are what they are called.
+#[test]
+fn steps_are_refused_and_cut() {
+    let [.., (_, tolerance)] = adaptive();
+    let mut recorder = Recorder::default();
+    finish(&mut simulation(&tolerance.scene(), Workers::single()), &mut recorder);
+    assert!(0 < recorder.steps().rejected, "{:?}", recorder.steps());
+    recorder = Recorder::default();
+    finish(&mut simulation(&cut_steps().scene(), Workers::single()), &mut recorder);
+    let steps = recorder.steps();
+    assert!(steps.smallest.unwrap() < 1e-2 * steps.largest.unwrap(), "{steps:?}");
+}
+
+#[test]
+fn adaptive_bits_do_not_depend_on_threads() {
+    let numbers = stiffening(large(flutter().airs));
+    assert_bits_on_threads(
+        "inline-adaptive-large",
+        &with_rule(StepNumbers::Adaptive, numbers.clone()).scene(),
+    );
+    assert_bits_on_threads(
+        "inline-tolerance-large",
+        &with_rule(StepNumbers::Tolerance(1e-5), numbers).scene(),
+    );
+}
+
+#[test]
 fn bits_do_not_depend_on_threads() {
     assert_bits_on_threads("inline-large", &large(Vec::new()).scene());
 }
@@ -226,17 +295,20 @@ fn assert_bits_on_threads(name: &str, scene: &Scene) {
 
 #[test]
 fn bits_do_not_depend_on_observers() {
-    let scene = flag().scene();
-    let mut recorder = Recorder::default();
-    finish(&mut simulation(&scene, Workers::single()), &mut recorder);
-    let watched = recorder.frames().last().map(|frame| frame.hash);
-    assert_eq!(watched, Some(hash(&scene, Workers::single())));
+    for numbers in [flag()].into_iter().chain(adaptive().map(|(_, numbers)| numbers)) {
+        let scene = numbers.scene();
+        let mut recorder = Recorder::default();
+        finish(&mut simulation(&scene, Workers::single()), &mut recorder);
+        let watched = recorder.frames().last().map(|frame| frame.hash);
+        assert_eq!(watched, Some(hash(&scene, Workers::single())));
+    }
 }
 
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    for numbers in [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF)] {
+    let constant = [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF)];
+    for numbers in constant.into_iter().chain(adaptive().map(|(_, numbers)| numbers)) {
         let scene = numbers.scene();
         let mut whole = Recorder::default();
         finish(&mut simulation(&scene, Workers::single()), &mut whole);

@@ -119,7 +119,7 @@ fn small(error: f64, tolerance: f64) -> String {
 }
 
 /// Every problem, in the order of the book.
-const PROBLEMS: [&LazyLock<Problem>; 13] = [
+const PROBLEMS: [&LazyLock<Problem>; 14] = [
     &crate::falling::PROBLEM,
     &crate::oscillator::PROBLEM,
     &crate::hanging_chain::PROBLEM,
@@ -133,6 +133,7 @@ const PROBLEMS: [&LazyLock<Problem>; 13] = [
     &crate::conservation::PROBLEM,
     &crate::energy::PROBLEM,
     &crate::order::PROBLEM,
+    &crate::adaptive::PROBLEM,
 ];
 
 fn page() -> String {

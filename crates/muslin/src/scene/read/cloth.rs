@@ -158,9 +158,7 @@ fn read_place(entry: Entry, grid: GridSettings) -> Result<Placement, SceneError>
 /// Rounding of positions [m] up to `distance` [m] from the origin of space, and the smallest distance [m] of neighbours in
 /// `grid`, if the one is too large for the other.
 pub(super) fn coarse_positions(distance: f64, grid: GridSettings) -> Option<(f64, f64)> {
-    let spacing =
-        |extent: f64, count: usize| if count == 1 { f64::INFINITY } else { extent / (count - 1) as f64 };
-    let smallest = spacing(grid.width, grid.columns).min(spacing(grid.height, grid.rows));
+    let smallest = grid.smallest_spacing();
     let rounding = f64::EPSILON * (distance + grid.width + grid.height);
     (ROUNDING_TOLERANCE * smallest < rounding).then_some((rounding, smallest))
 }

@@ -16,6 +16,7 @@ use toml::de::DeTable;
 
 use self::table::Table;
 pub(super) use self::table::joined;
+pub(super) use self::value::rounded;
 use super::Fabric;
 use super::data::DataFiles;
 use super::error::{SceneError, SceneErrorKind};

@@ -245,7 +245,7 @@ impl<'t> Value<'t> {
 }
 
 /// `number` to 12 digits, for a message.
-pub(super) fn rounded(number: f64) -> String {
+pub(in crate::scene) fn rounded(number: f64) -> String {
     format!("{:?}", with_decimals(number, 11))
 }
 
