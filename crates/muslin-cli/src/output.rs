@@ -140,16 +140,11 @@ impl OutputFolder {
 
     /// Makes sure that no other process works on the run in progress, if there is one.
     fn lock(&mut self) -> Result<(), CliError> {
-        let path = self.partial().join(LOCK);
-        // Where nothing can be opened or locked, whatever comes next says why, or works without a lock.
-        let Ok(lock) = File::options().create(true).append(true).open(path) else { return Ok(()) };
-        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(CliError::input(
-                format_args!("another muslin is at work in {}", self.path.display()),
-                "wait until it ends or stop it, or choose another folder with `--out DIR`",
-            ));
-        }
-        self.lock = Some(lock);
+        self.lock = lock(
+            &self.path,
+            &self.partial(),
+            "wait until it ends or stop it, or choose another folder with `--out DIR`",
+        )?;
         Ok(())
     }
 
@@ -277,6 +272,19 @@ impl OutputFolder {
         let partial = self.partial();
         fs::remove_dir_all(&partial).map_err(|error| CliError::write(&partial, &error))
     }
+}
+
+/// Keeps other processes from the folder `partial` within `path` for as long as the file lives.
+///
+/// Where nothing can be opened or locked there is no file: whatever comes next says why, or works without a lock.
+pub(crate) fn lock(path: &Path, partial: &Path, help: &str) -> Result<Option<File>, CliError> {
+    let Ok(lock) = File::options().create(true).append(true).open(partial.join(LOCK)) else {
+        return Ok(None);
+    };
+    if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+        return Err(CliError::input(format_args!("another muslin is at work in {}", path.display()), help));
+    }
+    Ok(Some(lock))
 }
 
 /// Refuses the folder `path` whose file `name` is not there because its run has not ended.

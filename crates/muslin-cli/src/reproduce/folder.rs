@@ -1,6 +1,6 @@
 //! The folder that a reproduction writes.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -8,12 +8,10 @@ use serde_json::Value;
 
 use super::report::REPRODUCTION;
 use crate::error::{CliError, reason};
+use crate::output::lock;
 
 /// Name of the folder inside that holds files until all are whole.
 const PARTIAL: &str = ".reproduction";
-
-/// Name of the file inside it that the process at work holds locked.
-const LOCK: &str = "lock";
 
 /// The file that tells that a folder holds a reproduction.
 pub(crate) const FIGURES: &str = "figures.json";
@@ -35,7 +33,8 @@ impl Folder {
             return Err(CliError::input(message, "choose another name"));
         }
         let mut folder = Self { path: path.to_owned(), lock: None };
-        folder.lock()?;
+        let help = "wait until it ends or stop it, or choose another folder";
+        folder.lock = lock(&folder.path, &folder.partial(), help)?;
         match (folder.has_files(), folder.holds_reproduction(), may_replace) {
             (false, _, _) | (true, true, true) => {}
             (true, true, false) => {
@@ -68,23 +67,9 @@ impl Folder {
                 "choose a folder that you may write to",
             )
         })?;
-        folder.lock()?;
+        let help = "wait until it ends or stop it, or choose another folder";
+        folder.lock = lock(&folder.path, &folder.partial(), help)?;
         Ok(folder)
-    }
-
-    /// Makes sure that no other process writes here.
-    fn lock(&mut self) -> Result<(), CliError> {
-        let path = self.partial().join(LOCK);
-        // Where nothing can be opened or locked, whatever comes next says why, or works without a lock.
-        let Ok(lock) = File::options().create(true).append(true).open(path) else { return Ok(()) };
-        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(CliError::input(
-                format_args!("another muslin is at work in {}", self.path.display()),
-                "wait until it ends or stop it, or choose another folder",
-            ));
-        }
-        self.lock = Some(lock);
-        Ok(())
     }
 
     fn partial(&self) -> PathBuf {
