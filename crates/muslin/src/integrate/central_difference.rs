@@ -189,7 +189,10 @@ fn eval_block_and_bounds(
     forces.fill(0.0);
     bounds.fill(0.0);
     for force in model.forces() {
-        if !force.depends_on_velocity() {
+        if force.depends_on_velocity() {
+            // Its force is added later, but what is stiff about it counts here.
+            force.add_stiffness_bounds(at, block, bounds);
+        } else {
             force.add_forces_and_varying_bounds(at, block, &mut forces, bounds);
         }
     }

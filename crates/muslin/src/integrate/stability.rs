@@ -26,8 +26,11 @@ const CHECK_INTERVAL: usize = 6;
 ///
 /// with the bounds of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds), and the same of
 /// [`Force::add_damping_bounds`](crate::force::Force::add_damping_bounds) for the rate γ of forces on velocity, which are
-/// explicit: alone they allow 2 / γ, of which half is taken. For linear springs along
-/// their current length it is the same in every shape that the cloth can take. On a grid it is about 0.7 of the [`largest_stable_step`]; it costs about as much as one step.
+/// explicit: alone they allow 2 / γ, of which half is taken. Air has no stiffness bound: how its
+/// force changes with position is not counted.
+///
+/// For linear springs along their current length it is the same in every shape that the cloth can take. On a grid it is
+/// about 0.7 of the [`largest_stable_step`]; it costs about as much as one step.
 #[must_use]
 pub fn guaranteed_stable_step(model: &Model, state: &State) -> f64 {
     let at = configuration(model, state);

@@ -19,7 +19,8 @@ use std::sync::LazyLock;
 
 use muslin::integrate::{CentralDifference, Integrator, Workers};
 
-use crate::common::{ClothNumbers, SceneNumbers, for_each_step, larger, model_and_state};
+use crate::common::setup::{GRAVITY, chain};
+use crate::common::{SceneNumbers, for_each_step, larger, model_and_state};
 use crate::report::{Problem, Row};
 
 /// Of the amplitude. Rounding gives each step's velocity an error of ε ℓ / h, which the spring carries on as an
@@ -29,32 +30,14 @@ const TOLERANCE: f64 = 1e-12;
 const MASS: f64 = 0.2;
 const STIFFNESS: f64 = 5.0;
 const LENGTH: f64 = 1.0;
-const GRAVITY: f64 = 9.81;
 
 /// Three seconds, about 2.4 periods of ω = 5 rad/s, with ω h = 0.05.
 fn hanging_mass(drag: f64, as_printed_start: bool) -> SceneNumbers {
-    SceneNumbers {
-        frame_intervals: 3,
-        frame_rate: 1.0,
-        steps_per_frame: 100,
-        as_printed_start,
-        gravity: [0.0, -GRAVITY, 0.0],
-        cloths: vec![ClothNumbers {
-            columns: 1,
-            rows: 2,
-            width: 0.0,
-            height: LENGTH,
-            origin: [0.0; 3],
-            height_axis: [0.0, -1.0, 0.0],
-            width_axis: [1.0, 0.0, 0.0],
-            pins: vec![(0, 0)],
-            mass: MASS,
-            drag,
-            stiffnesses: [STIFFNESS, 0.0, 0.0],
-            ..ClothNumbers::default()
-        }],
-        ..SceneNumbers::default()
-    }
+    let mut numbers = chain(1, LENGTH, MASS, STIFFNESS);
+    (numbers.frame_intervals, numbers.frame_rate, numbers.steps_per_frame) = (3, 1.0, 100);
+    numbers.as_printed_start = as_printed_start;
+    numbers.cloths[0].drag = drag;
+    numbers
 }
 
 /// The exact solution from `u0` [m] and `u1` [m].

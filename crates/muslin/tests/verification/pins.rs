@@ -5,38 +5,21 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use muslin::observe::{EnergyTerms, Recorder, relative_residual};
 
+use crate::common::setup::{GRAVITY, chain};
 use crate::common::{ClothNumbers, SceneNumbers, SineNumbers, finish, for_each_step, larger};
 
 const MASS: f64 = 0.2;
 const STIFFNESS: f64 = 5.0;
-const GRAVITY: f64 = 9.81;
 const LENGTH: f64 = 1.0;
 
 /// A mass under a pin that moves up and down with `amplitude` [m] and `frequency` [1/s].
 ///
 /// With a rest length of 1 m and a spring that hangs 0.39 m longer, the spring stays along the vertical and taut.
 fn driven_mass(frequency: f64, amplitude: f64, phase: f64, steps_per_frame: u32) -> SceneNumbers {
-    SceneNumbers {
-        frame_intervals: 4,
-        frame_rate: 1.0,
-        steps_per_frame,
-        gravity: [0.0, -GRAVITY, 0.0],
-        cloths: vec![ClothNumbers {
-            columns: 1,
-            rows: 2,
-            width: 0.0,
-            height: LENGTH,
-            origin: [0.0; 3],
-            height_axis: [0.0, -1.0, 0.0],
-            pins: vec![(0, 0)],
-            motion: Some(SineNumbers { axis: [0.0, 2.0, 0.0], amplitude, frequency, phase }),
-            mass: MASS,
-            drag: 0.0,
-            stiffnesses: [STIFFNESS, 0.0, 0.0],
-            ..ClothNumbers::default()
-        }],
-        ..SceneNumbers::default()
-    }
+    let mut numbers = chain(1, LENGTH, MASS, STIFFNESS);
+    (numbers.frame_intervals, numbers.frame_rate, numbers.steps_per_frame) = (4, 1.0, steps_per_frame);
+    numbers.cloths[0].motion = Some(SineNumbers { axis: [0.0, 2.0, 0.0], amplitude, frequency, phase });
+    numbers
 }
 
 /// With p_n = A sin(nθ), θ = 2π f h, the displacement u of the mass from where it would rest below the pin's middle obeys

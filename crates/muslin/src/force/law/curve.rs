@@ -84,6 +84,14 @@ impl Piece {
         Self { start, coefficients, energy: 0.0, moment: 0.0 }
     }
 
+    /// Tension [N] and tangent [N/m] at `strain` of a spring of `rest_length` [m].
+    #[inline(always)]
+    fn tension_and_tangent(&self, strain: f64, rest_length: f64) -> (f64, f64) {
+        let t = strain - self.start;
+        let [c0, c1, c2, c3] = self.coefficients;
+        (c0 + t * (c1 + t * (c2 + t * c3)), (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length)
+    }
+
     /// ∫ f ds [N] from zero strain to `strain`.
     fn energy(&self, strain: f64) -> f64 {
         self.energy + self.integral(strain)
@@ -108,19 +116,17 @@ impl Piece {
 impl TensionLaw for CurveLaw {
     #[inline(always)]
     fn tension(&self, extension: f64, rest_length: f64) -> f64 {
-        let strain = extension / rest_length;
-        let piece = self.piece(strain);
-        let t = strain - piece.start;
-        let [c0, c1, c2, c3] = piece.coefficients;
-        c0 + t * (c1 + t * (c2 + t * c3))
+        self.tension_and_tangent(extension, rest_length).0
     }
 
     fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).1
+    }
+
+    #[inline(always)]
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         let strain = extension / rest_length;
-        let piece = self.piece(strain);
-        let t = strain - piece.start;
-        let [_, c1, c2, c3] = piece.coefficients;
-        (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length
+        self.piece(strain).tension_and_tangent(strain, rest_length)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
