@@ -66,6 +66,7 @@
 //! [`Observer`]: observe::Observer
 
 pub mod force;
+mod instructions;
 pub mod integrate;
 pub mod limit;
 pub mod model;
@@ -77,6 +78,7 @@ mod state;
 pub mod write;
 
 pub use glam;
+pub use instructions::InstructionSet;
 pub use model::Model;
 pub use points::{Points, PointsMut};
 pub use run::{Simulation, SimulationError, initial_step, suggested_step};

@@ -1,5 +1,7 @@
 //! Arrays of points in space, one array per coordinate.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 /// Points or vectors in space as a structure of arrays; the unit is the owner's.
@@ -61,6 +63,18 @@ impl Points {
     /// Exclusive access to all points.
     pub fn as_mut(&mut self) -> PointsMut<'_> {
         PointsMut { x: &mut self.x, y: &mut self.y, z: &mut self.z }
+    }
+
+    /// Exclusive access to the points of `range`.
+    ///
+    /// # Panics
+    /// If it reaches beyond the last.
+    pub fn slice_mut(&mut self, range: &Range<usize>) -> PointsMut<'_> {
+        PointsMut {
+            x: &mut self.x[range.clone()],
+            y: &mut self.y[range.clone()],
+            z: &mut self.z[range.clone()],
+        }
     }
 
     /// Whether every coordinate is finite.
@@ -156,6 +170,7 @@ impl<'a> PointsMut<'a> {
 
 /// Sum of `term(index, value)` over `values`, in eight partial sums so that it can use vector registers; the order is
 /// the same on every machine.
+#[inline(always)]
 pub(crate) fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
     let mut lanes = [0.0; 8];
     for (chunk_index, chunk) in values.chunks(8).enumerate() {

@@ -221,8 +221,7 @@ impl Simulation {
                 for count in 1..=per_frame {
                     let passed = self.frame_index as f64 + count as f64 / per_frame as f64;
                     let time = passed / self.settings.frame_rate;
-                    self.integrator.move_by(&self.model, &mut self.state, step, time)?;
-                    self.integrator.eval_forces(&self.model, &self.state);
+                    self.integrator.step_to(&self.model, &mut self.state, step, time)?;
                     show_step(observers, &self.model, &self.state);
                 }
             }

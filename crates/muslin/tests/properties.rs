@@ -7,7 +7,7 @@ use common::{
     AirNumbers, CURVE, EachStep, Random, SceneNumbers, StepNumbers, finish, max_distance, model_and_state,
 };
 use glam::{DQuat, DVec3};
-use muslin::force::{Configuration, PotentialEnergies};
+use muslin::force::{Configuration, PotentialEnergies, Sweep};
 use muslin::integrate::{
     CentralDifference, Integrator, Workers, guaranteed_stable_step, largest_stable_step,
 };
@@ -254,7 +254,7 @@ fn forces_in_motion(model: &Model, positions: &Points, velocities: &Points) -> P
         model
             .forces()
             .iter()
-            .for_each(|force| force.add_forces(at(model, positions, velocities), block, &mut own));
+            .for_each(|force| force.add_forces(at(model, positions, velocities), block, &mut own, &mut Sweep::default()));
         rest = others;
     }
     forces

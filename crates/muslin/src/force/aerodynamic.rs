@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{Configuration, Force, Gust};
+use super::{Configuration, Force, Gust, Sweep};
 use crate::model::Grid;
 use crate::{Points, PointsMut};
 
@@ -195,7 +195,13 @@ impl Face {
 }
 
 impl Force for AerodynamicWind {
-    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
+    fn add_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        _sweep: &mut Sweep,
+    ) {
         let air = self.air_velocity(at.time);
         let (mut faces, mut corner_forces) = (Faces::NONE, [[0.0; CHUNK]; 3]);
         self.for_each_run(block, |cells, targets| {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{Configuration, Force, PotentialEnergies};
+use super::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::PointsMut;
 
 /// Uniform gravity.
@@ -19,7 +19,13 @@ pub struct Gravity {
 }
 
 impl Force for Gravity {
-    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
+    fn add_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        _sweep: &mut Sweep,
+    ) {
         let masses = &at.particles.masses()[block.clone()];
         let g = self.acceleration;
         for (force, mass) in forces.x.iter_mut().zip(masses) {

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
-use super::spring::Spring;
-use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums};
+use super::row_sweep::RowSweep;
+use super::spring::{Spring, SpringLength};
+use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums, Sweep};
+use crate::InstructionSet;
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
 use crate::{Points, PointsMut};
@@ -14,21 +16,24 @@ const LANES: usize = 8;
 
 /// The structural, shear and bend springs of one grid.
 ///
-/// A particle has up to twelve neighbours at fixed places in the grid, so there are no index arrays: for each neighbour
-/// the loop runs over a row of particles and the row of their neighbours. A family without stiffness has no springs.
+/// A particle has up to twelve neighbours at fixed places in the grid, so there are no index arrays: loops run over a
+/// row of particles and the row of their neighbours. A family without stiffness has no springs.
 #[derive(Clone, Debug)]
 pub struct GridSprings {
-    grid: Grid,
-    families: Vec<GridFamily>,
+    pub(super) grid: Grid,
+    pub(super) families: Vec<GridFamily>,
+    instructions: InstructionSet,
 }
 
 /// The springs of one family: a law and the places of the neighbours.
 #[derive(Clone, Debug)]
-struct GridFamily {
-    family: Family,
-    law: SpringLaw,
+pub(super) struct GridFamily {
+    pub(super) family: Family,
+    pub(super) law: SpringLaw,
     direction: ForceDirection,
     neighbours: Vec<Neighbour>,
+    /// Rest lengths [m] of the two springs that each particle has.
+    rest_lengths: [f64; 2],
 }
 
 /// A neighbour's place in the grid, relative to a particle's.
@@ -46,9 +51,9 @@ struct RowPair {
 }
 
 impl GridSprings {
-    /// The springs that `fabric` gives `grid`.
+    /// The springs that `fabric` gives `grid`, evaluated with `instructions`.
     #[must_use]
-    pub fn new(grid: Grid, fabric: &SpringsFabric) -> Self {
+    pub fn new(grid: Grid, fabric: &SpringsFabric, instructions: InstructionSet) -> Self {
         let families = [
             (Family::Structural, &fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
             (Family::Shear, &fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
@@ -57,14 +62,18 @@ impl GridSprings {
         let families = families
             .into_iter()
             .filter(|(_, settings, _)| settings.has_springs())
-            .map(|(family, settings, places)| GridFamily {
-                family,
-                law: SpringLaw::new(settings),
-                direction: fabric.force_direction,
-                neighbours: places.map(|(columns, rows)| Neighbour::new(&grid, columns, rows)).to_vec(),
+            .map(|(family, settings, places)| {
+                let neighbours = places.map(|(columns, rows)| Neighbour::new(&grid, columns, rows));
+                GridFamily {
+                    family,
+                    law: SpringLaw::new(settings),
+                    direction: fabric.force_direction,
+                    rest_lengths: [neighbours[1].rest_length, neighbours[3].rest_length],
+                    neighbours: neighbours.to_vec(),
+                }
             })
             .collect();
-        Self { grid, families }
+        Self { grid, families, instructions }
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
@@ -125,12 +134,18 @@ impl GridSprings {
 impl GridFamily {
     /// Whether its springs are equally stiff at all lengths: along its current length a linear spring is k stiff, and
     /// across it k (1 − L / ℓ), which is less.
-    fn has_constant_stiffness(&self) -> bool {
+    pub(super) fn has_constant_stiffness(&self) -> bool {
         self.law.is_linear() && self.direction == ForceDirection::CurrentLength
     }
 
+    /// A spring of the family's first or second [direction](RowSweep), under its `law`.
+    #[inline(always)]
+    pub(super) fn spring_of<L: TensionLaw>(&self, law: L, index: usize) -> Spring<L> {
+        Spring { law, rest_length: self.rest_lengths[index], direction: self.direction }
+    }
+
     /// A spring of `rest_length` [m].
-    fn spring(&self, rest_length: f64) -> Spring<&SpringLaw> {
+    pub(super) fn spring(&self, rest_length: f64) -> Spring<&SpringLaw> {
         Spring { law: &self.law, rest_length, direction: self.direction }
     }
 }
@@ -177,40 +192,6 @@ impl SpringRow<'_> {
     fn target(&self) -> Range<usize> {
         self.pair.own.start - self.offset..self.pair.own.end - self.offset
     }
-
-    /// Positions of the particles `range`, coordinate by coordinate.
-    #[inline(always)]
-    fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
-        let Points { x, y, z } = self.at.positions;
-        [x, y, z].map(|values| &values[range.clone()])
-    }
-}
-
-/// Adds the forces of a row of springs.
-struct AddForces<'a, 'b> {
-    row: SpringRow<'a>,
-    forces: &'a mut PointsMut<'b>,
-}
-
-impl LawVisitor for AddForces<'_, '_> {
-    fn visit<L: TensionLaw>(self, law: L) {
-        let Self { row, forces } = self;
-        let spring = row.spring(law);
-        let (count, target) = (row.pair.own.len(), row.target());
-        let [x, y, z] = row.positions(&row.pair.own).map(|values| &values[..count]);
-        let [other_x, other_y, other_z] = row.positions(&row.pair.other).map(|values| &values[..count]);
-        let force_x = &mut forces.x[target.clone()][..count];
-        let force_y = &mut forces.y[target.clone()][..count];
-        let force_z = &mut forces.z[target][..count];
-        for i in 0..count {
-            let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-            let length = (dx * dx + dy * dy + dz * dz).sqrt();
-            let coefficient = spring.coefficient(length);
-            force_x[i] += coefficient * dx;
-            force_y[i] += coefficient * dy;
-            force_z[i] += coefficient * dz;
-        }
-    }
 }
 
 /// Adds the stiffness bounds of a row of springs.
@@ -226,47 +207,16 @@ impl LawVisitor for AddBounds<'_> {
         let pinned = row.at.particles.pinned();
         let ends = row.pair.own.clone().zip(row.pair.other.clone());
         for (bound, (own, other)) in bounds[row.target()].iter_mut().zip(ends) {
-            let length = row.at.positions.get(own).distance(row.at.positions.get(other));
+            let length = SpringLength::of(row.at.positions.get(other) - row.at.positions.get(own));
             let (_, stiffness) = spring.coefficient_and_stiffness(length);
             *bound += columns(pinned[other]) * stiffness;
         }
     }
 }
 
-/// Adds both in one loop.
-struct AddForcesAndBounds<'a, 'b> {
-    row: SpringRow<'a>,
-    forces: &'a mut PointsMut<'b>,
-    bounds: &'a mut [f64],
-}
-
-impl LawVisitor for AddForcesAndBounds<'_, '_> {
-    fn visit<L: TensionLaw>(self, law: L) {
-        let Self { row, forces, bounds } = self;
-        let spring = row.spring(law);
-        let (count, target) = (row.pair.own.len(), row.target());
-        let [x, y, z] = row.positions(&row.pair.own).map(|values| &values[..count]);
-        let [other_x, other_y, other_z] = row.positions(&row.pair.other).map(|values| &values[..count]);
-        let pinned = &row.at.particles.pinned()[row.pair.other.clone()][..count];
-        let force_x = &mut forces.x[target.clone()][..count];
-        let force_y = &mut forces.y[target.clone()][..count];
-        let force_z = &mut forces.z[target.clone()][..count];
-        let bounds = &mut bounds[target][..count];
-        for i in 0..count {
-            let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-            let length = (dx * dx + dy * dy + dz * dz).sqrt();
-            let (coefficient, stiffness) = spring.coefficient_and_stiffness(length);
-            force_x[i] += coefficient * dx;
-            force_y[i] += coefficient * dy;
-            force_z[i] += coefficient * dz;
-            bounds[i] += columns(pinned[i]) * stiffness;
-        }
-    }
-}
-
 /// How many columns of a particle's row of the tangent a spring fills: its own, and its neighbour's unless that is pinned.
 #[inline(always)]
-fn columns(is_neighbour_pinned: bool) -> f64 {
+pub(super) fn columns(is_neighbour_pinned: bool) -> f64 {
     if is_neighbour_pinned { 1.0 } else { 2.0 }
 }
 
@@ -293,8 +243,15 @@ fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
 }
 
 impl Force for GridSprings {
-    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
-        self.for_each_row(at, block, |family, row| family.law.visit(AddForces { row, forces }));
+    fn add_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        sweep: &mut Sweep,
+    ) {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        self.instructions.run(RowSweep { springs: self, at, rows, forces, bounds: None, sweep });
     }
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
@@ -307,14 +264,11 @@ impl Force for GridSprings {
         block: &Range<usize>,
         forces: &mut PointsMut<'_>,
         bounds: &mut [f64],
+        sweep: &mut Sweep,
     ) {
-        self.for_each_row(at, block, |family, row| {
-            if family.has_constant_stiffness() {
-                family.law.visit(AddForces { row, forces });
-            } else {
-                family.law.visit(AddForcesAndBounds { row, forces, bounds });
-            }
-        });
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        let bounds = self.has_varying_bounds().then_some(bounds);
+        self.instructions.run(RowSweep { springs: self, at, rows, forces, bounds, sweep });
     }
 
     fn add_constant_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {

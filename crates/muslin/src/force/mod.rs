@@ -9,6 +9,7 @@ mod grid_springs;
 mod gust;
 mod law;
 mod noise;
+mod row_sweep;
 mod spring;
 mod wind;
 
@@ -21,7 +22,8 @@ pub use grid_springs::GridSprings;
 pub use gust::Gust;
 pub use law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
 pub use noise::{Noise, RandomStream};
-pub use spring::Spring;
+pub use row_sweep::Sweep;
+pub use spring::{Spring, SpringLength};
 pub use wind::ParticleWind;
 
 use crate::model::Particles;
@@ -112,7 +114,15 @@ pub struct SpringEnds {
 /// particle of the block, everything in [`Configuration`] one per particle of the model.
 pub trait Force: fmt::Debug + Send + Sync {
     /// Adds the force [N] on every particle of `block`.
-    fn add_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>);
+    ///
+    /// `sweep` saves work where one block after the other is asked for, and changes no bit of the result.
+    fn add_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        sweep: &mut Sweep,
+    );
 
     /// Adds `K u` [N], with the tangent `K = −∂F/∂x` [N/m] and `displacements` u [m] of all particles.
     fn add_tangent_products(
@@ -148,8 +158,9 @@ pub trait Force: fmt::Debug + Send + Sync {
         block: &Range<usize>,
         forces: &mut PointsMut<'_>,
         bounds: &mut [f64],
+        sweep: &mut Sweep,
     ) {
-        self.add_forces(at, block, forces);
+        self.add_forces(at, block, forces, sweep);
         self.add_stiffness_bounds(at, block, bounds);
     }
 

@@ -5,6 +5,54 @@ use glam::DVec3;
 use super::law::TensionLaw;
 use crate::scene::ForceDirection;
 
+/// The length of a spring and its inverse.
+///
+/// Both come from the squared length s by operations that are rounded the same way everywhere and that every set of vector
+/// instructions does at its full width, which divisions and square roots of `f64` are not: on common processors the two
+/// together take as long in vectors as one by one. A root in `f32` gives 1/√s to seven digits, and one step of the third
+/// order all others:
+///
+/// ```text
+/// y₀ = √s / s  in f32    e = 1 − s y₀²    1/ℓ = y₀ + y₀ e (½ + ⅜ e)    ℓ = s · 1/ℓ
+/// ```
+///
+/// Both are within two units of the last place of the exact ones.
+///
+/// Ends that are closer than 1.1e-19 m count as coincident, with length and inverse zero. Where s is beyond the range of
+/// `f32`, at 1.8e19 m, both are NaN: a motion that has run away ends there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringLength {
+    /// ℓ [m].
+    pub length: f64,
+    /// 1/ℓ [1/m]; zero where ℓ is.
+    pub inverse: f64,
+}
+
+/// Smallest squared length [m²] of which `f32` has a root of full precision.
+const LEAST_SQUARE: f64 = f32::MIN_POSITIVE as f64;
+
+impl SpringLength {
+    /// Of a `squared` length [m²].
+    #[inline(always)]
+    #[must_use]
+    pub fn from_squared(squared: f64) -> Self {
+        let single = squared as f32;
+        let guess = f64::from(single.sqrt() / single);
+        let error = 1.0 - squared * guess * guess;
+        let inverse = guess + guess * error * (0.5 + 0.375 * error);
+        let inverse = if squared < LEAST_SQUARE { 0.0 } else { inverse };
+        Self { length: squared * inverse, inverse }
+    }
+
+    /// Of the `vector` [m] from end to end.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(vector: DVec3) -> Self {
+        // In the order in which loops over rows of springs add them.
+        Self::from_squared(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z)
+    }
+}
+
 /// A spring of rest length `L` under a law `f`.
 ///
 /// ```text
@@ -32,17 +80,20 @@ impl<L: TensionLaw> Spring<L> {
         Spring { law, rest_length: self.rest_length, direction: self.direction }
     }
 
-    /// Coefficient c [N/m] of the force at `length` ℓ [m]; also the stiffness across the spring.
+    /// Coefficient c [N/m] of the force at a length; also the stiffness across the spring.
     #[inline(always)]
     #[must_use]
-    pub fn coefficient(&self, length: f64) -> f64 {
-        let tension = self.law.tension(length - self.rest_length, self.rest_length);
+    pub fn coefficient(&self, at: SpringLength) -> f64 {
+        let tension = self.law.tension(at.length - self.rest_length, self.rest_length);
+        self.coefficient_of(tension, at)
+    }
+
+    /// Coefficient c [N/m] of a `tension` [N].
+    #[inline(always)]
+    fn coefficient_of(&self, tension: f64, at: SpringLength) -> f64 {
         match self.direction {
-            ForceDirection::CurrentLength => {
-                let quotient = tension / length;
-                if length > 0.0 { quotient } else { 0.0 }
-            }
-            ForceDirection::RestLength => tension / self.rest_length,
+            ForceDirection::CurrentLength => tension * at.inverse,
+            ForceDirection::RestLength => tension * (1.0 / self.rest_length),
         }
     }
 
@@ -60,20 +111,16 @@ impl<L: TensionLaw> Spring<L> {
         }
     }
 
-    /// Coefficient c [N/m] of the force at `length` ℓ [m], and the largest stiffness [N/m] in any direction, zero if all
-    /// are negative: `max(k_a, c, 0)` with the axial tangent k_a.
+    /// Coefficient c [N/m] of the force at a length, and the largest stiffness [N/m] in any direction, zero if all are
+    /// negative: `max(k_a, c, 0)` with the axial tangent k_a.
     #[inline(always)]
     #[must_use]
-    pub fn coefficient_and_stiffness(&self, length: f64) -> (f64, f64) {
-        let (tension, tangent) = self.law.tension_and_tangent(length - self.rest_length, self.rest_length);
-        let (coefficient, axial) = match self.direction {
-            ForceDirection::CurrentLength => {
-                let quotient = tension / length;
-                (if length > 0.0 { quotient } else { 0.0 }, tangent)
-            }
-            ForceDirection::RestLength => {
-                (tension / self.rest_length, (tangent * length + tension) / self.rest_length)
-            }
+    pub fn coefficient_and_stiffness(&self, at: SpringLength) -> (f64, f64) {
+        let (tension, tangent) = self.law.tension_and_tangent(at.length - self.rest_length, self.rest_length);
+        let coefficient = self.coefficient_of(tension, at);
+        let axial = match self.direction {
+            ForceDirection::CurrentLength => tangent,
+            ForceDirection::RestLength => (tangent * at.length + tension) * (1.0 / self.rest_length),
         };
         // Comparisons in place of `max`, which would pass over what is not a number.
         let larger = if axial < coefficient { coefficient } else { axial };
@@ -83,7 +130,7 @@ impl<L: TensionLaw> Spring<L> {
     /// Force [N] on the end that `vector` d [m] starts from.
     #[must_use]
     pub fn force(&self, vector: DVec3) -> DVec3 {
-        vector * self.coefficient(vector.length())
+        vector * self.coefficient(SpringLength::of(vector))
     }
 
     /// `K u` [N]: what the force loses when the other end moves by −u, that is `−∂F/∂d · u`, negated for `u = u_i − u_j`.
@@ -93,14 +140,11 @@ impl<L: TensionLaw> Spring<L> {
     /// ```
     #[must_use]
     pub fn tangent_product(&self, vector: DVec3, displacement: DVec3) -> DVec3 {
-        let length = vector.length();
-        if length == 0.0 {
-            // No direction along the spring; across it only the as-printed direction has a stiffness.
-            return displacement * self.coefficient(length);
-        }
-        let normal = vector / length;
+        let at = SpringLength::of(vector);
+        let normal = vector * at.inverse;
+        // Without a direction along the spring it is zero; across it only the as-printed direction has a stiffness.
         let along = normal * normal.dot(displacement);
-        along * self.axial_tangent(length) + (displacement - along) * self.coefficient(length)
+        along * self.axial_tangent(at.length) + (displacement - along) * self.coefficient(at)
     }
 
     /// Energy E [J] at `length` ℓ [m].

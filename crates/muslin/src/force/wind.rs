@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Configuration, Force, Gust};
+use super::{Configuration, Force, Gust, Sweep};
 use crate::PointsMut;
 
 /// The paper's wind: the same force on every particle, wherever it is and whatever way the cloth faces.
@@ -21,7 +21,13 @@ pub struct ParticleWind {
 }
 
 impl Force for ParticleWind {
-    fn add_forces(&self, at: Configuration<'_>, _block: &Range<usize>, forces: &mut PointsMut<'_>) {
+    fn add_forces(
+        &self,
+        at: Configuration<'_>,
+        _block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        _sweep: &mut Sweep,
+    ) {
         let force = self.force.value(at.time);
         forces.x.iter_mut().for_each(|value| *value += force.x);
         forces.y.iter_mut().for_each(|value| *value += force.y);

@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::limits::Limiter;
 use super::pins::place_pins;
 use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
-use super::{Integrator, StepError, Workers};
-use crate::force::Configuration;
+use super::{Integrator, SplitArrays, StepError, Workers};
+use crate::force::{Configuration, Sweep};
+use crate::instructions::Vectorise;
 use crate::model::Particles;
 use crate::points::sum_in_lanes;
 use crate::scene::Start;
@@ -41,6 +42,8 @@ use crate::{Model, Motion, Points, PointsMut, State};
 #[derive(Debug)]
 pub struct CentralDifference {
     workers: Workers,
+    /// One per thread.
+    sweeps: Vec<Sweep>,
     forces: Points,
     /// Of the evaluation before, once errors are asked for.
     earlier_forces: Option<Points>,
@@ -56,6 +59,7 @@ impl CentralDifference {
     #[must_use]
     pub fn new(workers: Workers) -> Self {
         Self {
+            sweeps: (0..workers.count()).map(|_| Sweep::default()).collect(),
             workers,
             forces: Points::default(),
             earlier_forces: None,
@@ -98,7 +102,8 @@ impl CentralDifference {
         let predict_block = |block: &Range<usize>, mut velocities: PointsMut<'_>| {
             // First the forces, then in their place the velocities.
             velocities.fill(0.0);
-            moving().for_each(|force| force.add_forces(at, block, &mut velocities));
+            let mut sweep = Sweep::default();
+            moving().for_each(|force| force.add_forces(at, block, &mut velocities, &mut sweep));
             for (values, forces, old) in [
                 (velocities.x, &other_forces.x, &at.velocities.x),
                 (velocities.y, &other_forces.y, &at.velocities.y),
@@ -114,7 +119,8 @@ impl CentralDifference {
         model.moving_pins().eval_velocities(at.time, &mut self.velocities);
         let at = Configuration { velocities: &self.velocities, ..at };
         let add_block = |block: &Range<usize>, mut forces: PointsMut<'_>| {
-            moving().for_each(|force| force.add_forces(at, block, &mut forces));
+            let mut sweep = Sweep::default();
+            moving().for_each(|force| force.add_forces(at, block, &mut forces, &mut sweep));
         };
         self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &add_block, &|(), ()| ());
     }
@@ -138,9 +144,11 @@ impl CentralDifference {
         is_measured: bool,
     ) -> Result<Motion, StepError> {
         let steps = Steps { last: state.last_step, next: step };
-        let (particles, forces) = (model.particles(), &self.forces);
-        let move_block = |block: &Range<usize>, arrays: (PointsMut<'_>, PointsMut<'_>)| {
-            move_block(particles, steps, block, arrays, forces, is_measured)
+        let forces = &self.forces;
+        let move_block = |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
+            let particles = model.particles();
+            let task = MoveBlock { particles, steps, block, positions, velocities, forces, is_measured };
+            model.instructions().run(task)
         };
         let arrays = (state.positions.as_mut(), state.velocities.as_mut());
         let moved = self.workers.for_blocks(model.blocks(), arrays, &move_block, &Moved::add);
@@ -149,9 +157,38 @@ impl CentralDifference {
         place_pins(model, time, step, state);
         let limited = self.limiter.apply(model, &self.forces, step, state);
         match moved {
-            Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
+            Some(Moved { is_finite: false, .. }) => Err(not_finite(model.particles(), state)),
             moved => Ok(moved.map(|moved| moved.motion.add(limited)).unwrap_or_default()),
         }
+    }
+}
+
+impl CentralDifference {
+    /// Moves all particles and evaluates the forces that do not depend on velocities where they arrive, block after block,
+    /// so that what one half leaves in a core's caches the other finds there; whether all positions stay finite.
+    fn move_and_eval(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> bool {
+        let steps = Steps { last: state.last_step, next: step };
+        let (particles, blocks) = (model.particles(), model.blocks());
+        let Self { forces, sweeps, .. } = self;
+        let Some(sweep) = sweeps.first_mut() else { return true };
+        state.time = time;
+        state.last_step = step;
+        sweep.restart();
+        let mut is_finite = true;
+        // Forces look at neighbours in the next block at most.
+        for next in 0..=blocks.len() {
+            if let Some(block) = blocks.get(next) {
+                let positions = state.positions.slice_mut(block);
+                let velocities = state.velocities.slice_mut(block);
+                let task =
+                    MoveBlock { particles, steps, block, positions, velocities, forces, is_measured: false };
+                is_finite &= model.instructions().run(task).is_finite;
+            }
+            if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {
+                eval_block(model, configuration(model, state), block, forces.slice_mut(block), sweep);
+            }
+        }
+        is_finite
     }
 }
 
@@ -172,10 +209,16 @@ fn velocity_at_state(
 }
 
 /// Overwrites `forces` [N] of a block with those that do not depend on velocities.
-fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut forces: PointsMut<'_>) {
+fn eval_block(
+    model: &Model,
+    at: Configuration<'_>,
+    block: &Range<usize>,
+    mut forces: PointsMut<'_>,
+    sweep: &mut Sweep,
+) {
     forces.fill(0.0);
     for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
-        force.add_forces(at, block, &mut forces);
+        force.add_forces(at, block, &mut forces, sweep);
     }
 }
 
@@ -185,6 +228,7 @@ fn eval_block_and_bounds(
     at: Configuration<'_>,
     block: &Range<usize>,
     (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
+    sweep: &mut Sweep,
 ) -> f64 {
     forces.fill(0.0);
     bounds.fill(0.0);
@@ -193,10 +237,28 @@ fn eval_block_and_bounds(
             // Its force is added later, but what is stiff about it counts here.
             force.add_stiffness_bounds(at, block, bounds);
         } else {
-            force.add_forces_and_varying_bounds(at, block, &mut forces, bounds);
+            force.add_forces_and_varying_bounds(at, block, &mut forces, bounds, sweep);
         }
     }
     largest_rate(model.particles(), block, bounds)
+}
+
+/// Calls `work` with each of `blocks` and what belongs to it of `arrays`, in ascending order, after a restart of `sweep`;
+/// the largest result.
+fn for_each_block<A: SplitArrays>(
+    blocks: &[Range<usize>],
+    mut arrays: A,
+    sweep: &mut Sweep,
+    mut work: impl FnMut(&Range<usize>, A, &mut Sweep) -> f64,
+) -> f64 {
+    sweep.restart();
+    let mut largest = 0.0;
+    for block in blocks {
+        let (own, rest) = arrays.split_arrays(block.len());
+        largest = larger(largest, work(block, own, sweep));
+        arrays = rest;
+    }
+    largest
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -206,33 +268,22 @@ struct Steps {
     next: f64,
 }
 
-/// How many particles have their factors at hand at a time, in a core's first-level cache.
-const CHUNK: usize = 256;
-
-/// What turns velocity and force of some particles into their next velocity; zero for a pin.
+/// What turns velocity and force of a particle into its next velocity.
+#[derive(Clone, Copy)]
 struct Factors {
-    velocity: [f64; CHUNK],
-    force: [f64; CHUNK],
+    velocity: f64,
+    force: f64,
 }
 
 impl Factors {
-    const ZERO: Self = Self { velocity: [0.0; CHUNK], force: [0.0; CHUNK] };
-
-    /// Overwrites the first factors with those of the particles `range`.
-    fn eval(&mut self, particles: &Particles, range: Range<usize>, steps: Steps) {
-        let constants = particles.masses()[range.clone()]
-            .iter()
-            .zip(&particles.drags()[range.clone()])
-            .zip(&particles.pinned()[range]);
-        for (((mass, drag), pinned), (velocity, force)) in
-            constants.zip(self.velocity.iter_mut().zip(&mut self.force))
-        {
-            let twice_mass = 2.0 * mass;
-            let denominator = twice_mass + drag * steps.last;
-            let factors =
-                ((twice_mass - drag * steps.next) / denominator, (steps.last + steps.next) / denominator);
-            // The second is h⁻/2m · velocity factor + h⁺/2m, without its cancellation.
-            (*velocity, *force) = if *pinned { (0.0, 0.0) } else { factors };
+    /// Of a free particle of `mass` [kg] and `drag` [kg/s].
+    fn new(mass: f64, drag: f64, steps: Steps) -> Self {
+        let twice_mass = 2.0 * mass;
+        let denominator = twice_mass + drag * steps.last;
+        // The second is h⁻/2m · velocity factor + h⁺/2m, without its cancellation.
+        Self {
+            velocity: (twice_mass - drag * steps.next) / denominator,
+            force: (steps.last + steps.next) / denominator,
         }
     }
 }
@@ -251,55 +302,78 @@ impl Moved {
     }
 }
 
-/// Moves the particles of `block`, whose forces [N] are `forces` of all, and measures their motion if asked to.
-fn move_block(
-    particles: &Particles,
+/// Moves the particles of `block`, and measures their motion if asked to.
+struct MoveBlock<'a, 'b> {
+    particles: &'a Particles,
     steps: Steps,
-    block: &Range<usize>,
-    (positions, velocities): (PointsMut<'_>, PointsMut<'_>),
-    forces: &Points,
+    block: &'a Range<usize>,
+    /// Of the block.
+    positions: PointsMut<'b>,
+    /// Of the block.
+    velocities: PointsMut<'b>,
+    /// Forces [N] on all particles.
+    forces: &'a Points,
     is_measured: bool,
-) -> Moved {
-    let mut factors = Factors::ZERO;
-    let mut moved = Moved { is_finite: true, motion: Motion::default() };
-    for first in (0..block.len()).step_by(CHUNK) {
-        let own = first..block.len().min(first + CHUNK);
-        let range = block.start + own.start..block.start + own.end;
-        factors.eval(particles, range.clone(), steps);
-        let masses = &particles.masses()[range.clone()];
-        for (positions, velocities, forces) in [
-            (&mut *positions.x, &mut *velocities.x, &forces.x),
-            (&mut *positions.y, &mut *velocities.y, &forces.y),
-            (&mut *positions.z, &mut *velocities.z, &forces.z),
-        ] {
-            let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
-            let forces = &forces[range.clone()];
-            if is_measured {
-                moved.motion.power_before += power(forces, velocities, &factors);
-            }
-            moved.is_finite &= move_axis(positions, velocities, forces, &factors, steps.next);
-            if is_measured {
-                moved.motion.power_after += power(forces, velocities, &factors);
-                moved.motion.kinetic_energy +=
-                    sum_in_lanes(masses, |i, mass| 0.5 * mass * velocities[i] * velocities[i]);
-            }
-        }
-    }
-    moved
 }
 
-/// Σ F v [W] of the free particles along one axis.
-fn power(forces: &[f64], velocities: &[f64], factors: &Factors) -> f64 {
-    // The force factor of a pin is zero, and that of any other particle positive.
-    sum_in_lanes(forces, |i, force| if factors.force[i] > 0.0 { force * velocities[i] } else { 0.0 })
+impl Vectorise for MoveBlock<'_, '_> {
+    type Output = Moved;
+
+    #[inline(always)]
+    fn run<const LANES: usize>(self) -> Moved {
+        let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
+        let mut moved = Moved { is_finite: true, motion: Motion::default() };
+        let mut next = block.start;
+        for run in particles.free_runs(block) {
+            let factors = Factors::new(run.mass, run.drag, steps);
+            let own = run.particles.start - block.start..run.particles.end - block.start;
+            let pins = next - block.start..own.start;
+            next = run.particles.end;
+            for (positions, velocities, forces) in [
+                (&mut *positions.x, &mut *velocities.x, &forces.x),
+                (&mut *positions.y, &mut *velocities.y, &forces.y),
+                (&mut *positions.z, &mut *velocities.z, &forces.z),
+            ] {
+                velocities[pins.clone()].fill(0.0);
+                let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
+                let forces = &forces[run.particles.clone()];
+                if is_measured {
+                    moved.motion.power_before += power(forces, velocities);
+                }
+                moved.is_finite &= move_axis(positions, velocities, forces, factors, steps.next);
+                if is_measured {
+                    moved.motion.power_after += power(forces, velocities);
+                    moved.motion.kinetic_energy += 0.5 * run.mass * power(velocities, velocities);
+                }
+            }
+        }
+        let pins = next - block.start..block.len();
+        for velocities in [velocities.x, velocities.y, velocities.z] {
+            velocities[pins.clone()].fill(0.0);
+        }
+        moved
+    }
+}
+
+/// Σ a b along one axis.
+#[inline(always)]
+fn power(a: &[f64], b: &[f64]) -> f64 {
+    let b = &b[..a.len()];
+    sum_in_lanes(a, |i, a| a * b[i])
 }
 
 impl Integrator for CentralDifference {
     fn eval_forces(&mut self, model: &Model, state: &State) {
         self.next_forces(state.positions.len());
         let at = configuration(model, state);
-        let eval_block = |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces);
-        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &eval_block, &|(), ()| ());
+        let eval_band = |blocks: &[Range<usize>], forces: PointsMut<'_>, sweep: &mut Sweep| {
+            for_each_block(blocks, forces, sweep, |block, forces, sweep| {
+                eval_block(model, at, block, forces, sweep);
+                0.0
+            });
+        };
+        let sweeps = &mut self.sweeps;
+        self.workers.for_bands(model.blocks(), self.forces.as_mut(), sweeps, &eval_band, &|(), ()| ());
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, at, state.last_step);
         }
@@ -309,17 +383,40 @@ impl Integrator for CentralDifference {
         self.next_forces(state.positions.len());
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
         let at = configuration(model, state);
-        let eval_block = |block: &Range<usize>, arrays: (PointsMut<'_>, &mut [f64])| {
-            eval_block_and_bounds(model, at, block, arrays)
+        let eval_band = |blocks: &[Range<usize>], arrays: (PointsMut<'_>, &mut [f64]), sweep: &mut Sweep| {
+            for_each_block(blocks, arrays, sweep, |block, arrays, sweep| {
+                eval_block_and_bounds(model, at, block, arrays, sweep)
+            })
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
-        let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger);
+        let sweeps = &mut self.sweeps;
+        let largest = self.workers.for_bands(model.blocks(), arrays, sweeps, &eval_band, &larger);
         let mut damping = 0.0;
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, at, state.last_step);
             damping = self.largest_damping_rate(model, state);
         }
         stable_step(constant_stiffness + largest.unwrap_or(0.0), damping)
+    }
+
+    fn step_to(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        let is_one_pass = self.workers.count() == 1
+            && model.limits().is_empty()
+            && model.moving_pins().is_empty()
+            && self.earlier_forces.is_none();
+        if !is_one_pass {
+            self.move_by(model, state, step, time)?;
+            self.eval_forces(model, state);
+            return Ok(());
+        }
+        let is_finite = self.move_and_eval(model, state, step, time);
+        if !is_finite {
+            return Err(not_finite(model.particles(), state));
+        }
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, configuration(model, state), state.last_step);
+        }
+        Ok(())
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
@@ -379,20 +476,20 @@ impl Integrator for CentralDifference {
     }
 }
 
-/// Moves one coordinate of a block by `step` [s]; whether all positions stay finite.
+/// Moves one coordinate of equal particles by `step` [s]; whether all positions stay finite.
+#[inline(always)]
 fn move_axis(
     positions: &mut [f64],
     velocities: &mut [f64],
     forces: &[f64],
-    factors: &Factors,
+    factors: Factors,
     step: f64,
 ) -> bool {
     let count = positions.len();
     let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
-    let (velocity_factors, force_factors) = (&factors.velocity[..count], &factors.force[..count]);
     let mut finite = true;
     for i in 0..count {
-        let velocity = velocity_factors[i] * velocities[i] + force_factors[i] * forces[i];
+        let velocity = factors.velocity * velocities[i] + factors.force * forces[i];
         let position = positions[i] + step * velocity;
         velocities[i] = velocity;
         positions[i] = position;
@@ -403,7 +500,7 @@ fn move_axis(
 
 /// The error of a state that has a non-finite value.
 ///
-/// It names a free particle if there is one: a pin only catches the force of a neighbour, times zero.
+/// It names a free particle if there is one: a limit may have moved a pin along.
 fn not_finite(particles: &Particles, state: &State) -> StepError {
     let is_finite = |particle: usize| {
         state.positions.get(particle).is_finite() && state.velocities.get(particle).is_finite()
@@ -436,7 +533,7 @@ mod tests {
         let mut state = model.initial_state(&scene);
         let mut method = CentralDifference::new(Workers::single());
         let error = (0..1000).find_map(|_| method.step(&model, &mut state, 0.05).err()).unwrap();
-        assert!(!state.positions.get(0).is_finite(), "the pin caught it, too");
+        assert!(state.positions.get(0).is_finite(), "a pin stays where it is");
         assert!(matches!(error, StepError::NotFinite { particle: 1, .. }), "{error}");
     }
 }

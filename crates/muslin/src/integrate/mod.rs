@@ -39,6 +39,17 @@ pub trait Integrator: Send {
     /// [`StepError::NotFinite`] if a position or velocity is no longer a finite number; `state` then holds it.
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError>;
 
+    /// [`move_by`](Self::move_by) and then [`eval_forces`](Self::eval_forces), with the same bits; a method may do both in
+    /// one pass over the particles.
+    ///
+    /// # Errors
+    /// As [`move_by`](Self::move_by); there are then no forces.
+    fn step_to(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.move_by(model, state, step, time)?;
+        self.eval_forces(model, state);
+        Ok(())
+    }
+
     /// [`move_by`](Self::move_by), with the same bits, and the energies of the motion.
     ///
     /// # Errors

@@ -62,6 +62,52 @@ impl Workers {
     }
 }
 
+impl Workers {
+    /// Calls `work` with bands of consecutive blocks, one for each thread at most, with what belongs to a band of `arrays`, and
+    /// with one of `helpers`; combines its results, or `None` without blocks.
+    ///
+    /// `combine` must not mind in what groups results come, as a maximum does not.
+    ///
+    /// # Panics
+    /// If there are fewer `helpers` than threads.
+    pub fn for_bands<A: SplitArrays, H: Send, R: Send>(
+        &self,
+        blocks: &[Range<usize>],
+        arrays: A,
+        helpers: &mut [H],
+        work: &(impl Fn(&[Range<usize>], A, &mut H) -> R + Sync),
+        combine: &(impl Fn(R, R) -> R + Sync),
+    ) -> Option<R> {
+        let helpers = &mut helpers[..self.count()];
+        (!blocks.is_empty()).then(|| self.install(|| for_bands(blocks, arrays, helpers, work, combine)))
+    }
+}
+
+/// [`Workers::for_bands`] on the pool that this thread belongs to, or alone with one helper.
+fn for_bands<A: SplitArrays, H: Send, R: Send>(
+    blocks: &[Range<usize>],
+    arrays: A,
+    helpers: &mut [H],
+    work: &(impl Fn(&[Range<usize>], A, &mut H) -> R + Sync),
+    combine: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    if helpers.len() <= 1 || blocks.len() <= 1 {
+        return work(blocks, arrays, &mut helpers[0]);
+    }
+    let (first_helpers, second_helpers) = helpers.split_at_mut(helpers.len() / 2);
+    let (start, end) = (blocks[0].start, blocks[blocks.len() - 1].end);
+    let middle = start + (end - start) * first_helpers.len() / (first_helpers.len() + second_helpers.len());
+    // The end of a block that is nearest to the middle.
+    let after = blocks.partition_point(|block| block.start + block.len() / 2 < middle);
+    let (first, second) = blocks.split_at(after.clamp(1, blocks.len() - 1));
+    let (first_arrays, second_arrays) = arrays.split_arrays(second[0].start - start);
+    let (first, second) = rayon::join(
+        || for_bands(first, first_arrays, first_helpers, work, combine),
+        || for_bands(second, second_arrays, second_helpers, work, combine),
+    );
+    combine(first, second)
+}
+
 /// Mutable arrays with one entry per particle, which are cut into blocks.
 pub trait SplitArrays: Send + Sized {
     /// The first `count` entries of each array, and the rest.

@@ -70,7 +70,8 @@ impl Grid {
     /// Ranges of whole rows of about `size` particles.
     pub(crate) fn blocks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         let Self { first_particle, columns, rows, .. } = *self;
-        let rows_per_block = (size / columns).max(1);
+        // Springs reach two rows down, and no farther than into the next block.
+        let rows_per_block = (size / columns).max(2);
         (0..rows).step_by(rows_per_block).map(move |row| {
             let end = (row + rows_per_block).min(rows);
             first_particle + row * columns..first_particle + end * columns

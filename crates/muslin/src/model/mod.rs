@@ -11,14 +11,14 @@ mod surface;
 use std::ops::Range;
 
 pub use grid::Grid;
-pub use particles::Particles;
+pub use particles::{FreeRun, Particles};
 pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
 use crate::force::{AerodynamicWind, Force, Gravity, GridSprings, Gust, Noise, ParticleWind, RandomStream};
 use crate::limit::{GridLimit, Limit};
 use crate::scene::{Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings};
-use crate::{Points, State};
+use crate::{InstructionSet, Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
 ///
@@ -37,6 +37,7 @@ pub struct Model {
     forces: Vec<Box<dyn Force>>,
     limits: Vec<Box<dyn Limit>>,
     blocks: Vec<Range<usize>>,
+    instructions: InstructionSet,
 }
 
 /// One cloth of a [`Model`].
@@ -49,9 +50,15 @@ pub struct Cloth {
 }
 
 impl Model {
-    /// Builds the model that `scene` describes.
+    /// Builds the model that `scene` describes, for the best instructions that this processor has.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
+        Self::with_instructions(scene, InstructionSet::best())
+    }
+
+    /// Builds the model that `scene` describes, for `instructions`, which change the speed of a run and no bit of it.
+    #[must_use]
+    pub fn with_instructions(scene: &Scene, instructions: InstructionSet) -> Self {
         let mut particles = Particles::default();
         let mut moving_pins = MovingPins::default();
         let mut cloths = Vec::new();
@@ -80,16 +87,17 @@ impl Model {
                     PinPlace::Column(column) => (0..grid.rows).for_each(|row| hold(column, row)),
                 }
             }
-            forces.push(Box::new(GridSprings::new(grid, fabric)));
+            forces.push(Box::new(GridSprings::new(grid, fabric, instructions)));
             if let Some(limit) = GridLimit::new(grid, fabric) {
                 limits.push(Box::new(limit));
             }
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }
+        particles.find_runs();
         let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
         forces.extend(winds(&environment.winds, scene.run(), &grids));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
-        Self { particles, moving_pins, cloths, forces, limits, blocks }
+        Self { particles, moving_pins, cloths, forces, limits, blocks, instructions }
     }
 
     /// Masses, drags and pins.
@@ -126,6 +134,12 @@ impl Model {
     #[must_use]
     pub fn depends_on_velocity(&self) -> bool {
         self.forces.iter().any(|force| force.depends_on_velocity())
+    }
+
+    /// The instructions that loops over particles use.
+    #[must_use]
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions
     }
 
     /// Ranges of particles that are worked on as one.

@@ -1,5 +1,7 @@
 //! The particles' constants.
 
+use std::ops::Range;
+
 /// Mass, drag and pins of all particles.
 ///
 /// Invariants: the arrays have the same length; masses are positive and drags not negative.
@@ -8,6 +10,18 @@ pub struct Particles {
     masses: Vec<f64>,
     drags: Vec<f64>,
     pinned: Vec<bool>,
+    free_runs: Vec<FreeRun>,
+}
+
+/// Consecutive particles that are free and have the same mass and drag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeRun {
+    /// The particles.
+    pub particles: Range<usize>,
+    /// Mass m [kg] of each.
+    pub mass: f64,
+    /// Linear drag k_d [kg/s] of each.
+    pub drag: f64,
 }
 
 impl Particles {
@@ -44,6 +58,31 @@ impl Particles {
     /// The pinned particles, ascending.
     pub fn pins(&self) -> impl Iterator<Item = usize> + '_ {
         self.pinned.iter().enumerate().filter_map(|(particle, &pinned)| pinned.then_some(particle))
+    }
+
+    /// The free particles of `block`, in runs of equal ones.
+    pub fn free_runs(&self, block: &Range<usize>) -> impl Iterator<Item = FreeRun> + '_ {
+        let block = block.clone();
+        let first = self.free_runs.partition_point(|run| run.particles.end <= block.start);
+        let runs = self.free_runs[first..].iter().take_while(move |run| run.particles.start < block.end);
+        runs.map(move |run| FreeRun {
+            particles: run.particles.start.max(block.start)..run.particles.end.min(block.end),
+            ..*run
+        })
+    }
+
+    /// Finds the runs of equal free particles, once all particles and pins are there.
+    pub(crate) fn find_runs(&mut self) {
+        self.free_runs.clear();
+        for particle in (0..self.len()).filter(|&particle| !self.pinned[particle]) {
+            let (mass, drag) = (self.masses[particle], self.drags[particle]);
+            match self.free_runs.last_mut() {
+                Some(run) if run.particles.end == particle && run.mass == mass && run.drag == drag => {
+                    run.particles.end += 1;
+                }
+                _ => self.free_runs.push(FreeRun { particles: particle..particle + 1, mass, drag }),
+            }
+        }
     }
 
     /// Appends `count` free particles of `mass` [kg] and `drag` [kg/s].

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pin_work::PinWork;
 use super::{Frame, Observer};
-use crate::force::{Configuration, Force, PotentialEnergies};
+use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::points::sum_in_lanes;
 use crate::{Model, Points, PointsMut, State};
 
@@ -255,11 +255,12 @@ fn sum_forces<'a>(
         *sums = Points::zeros(at.positions.len());
     }
     sums.fill(0.0);
+    let mut sweep = Sweep::default();
     for force in forces {
         let mut rest = sums.as_mut();
         for block in model.blocks() {
             let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
-            force.add_forces(at, block, &mut own);
+            force.add_forces(at, block, &mut own, &mut sweep);
             rest = others;
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::force::Configuration;
+use crate::force::{Configuration, Sweep};
 use crate::{Model, Points, State};
 
 /// Forces on the moving pins, from step to step.
@@ -23,6 +23,7 @@ pub(super) struct PinWork {
     forces: Vec<DVec3>,
     /// Forces [N] on all particles of one block.
     block_forces: Points,
+    sweep: Sweep,
 }
 
 impl PinWork {
@@ -55,11 +56,12 @@ impl PinWork {
         };
         let mut work = 0.0;
         let mut forces = self.forces.iter_mut();
+        self.sweep.restart();
         for (block, pins) in &self.blocks {
             let (mut block_forces, _) = self.block_forces.as_mut().split_at(block.len());
             block_forces.fill(0.0);
             for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
-                force.add_forces(at, block, &mut block_forces);
+                force.add_forces(at, block, &mut block_forces, &mut self.sweep);
             }
             for (&pin, force) in pins.iter().zip(&mut forces) {
                 let before = std::mem::replace(force, self.block_forces.get(pin - block.start));

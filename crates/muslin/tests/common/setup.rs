@@ -1,7 +1,7 @@
 //! Set-ups that several problems share: chains, forces by hand, and motions that drag brings to rest.
 
 use glam::DVec3;
-use muslin::force::{Configuration, PotentialEnergies};
+use muslin::force::{Configuration, PotentialEnergies, Sweep};
 use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::{Model, Points, State};
 
@@ -39,7 +39,7 @@ pub(crate) fn forces(model: &Model, positions: &Points) -> Points {
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
-        model.forces().iter().for_each(|force| force.add_forces(at, block, &mut own));
+        model.forces().iter().for_each(|force| force.add_forces(at, block, &mut own, &mut Sweep::default()));
         rest = others;
     }
     forces

@@ -5,7 +5,7 @@
 //! ```
 
 use glam::DVec3;
-use muslin::force::Configuration;
+use muslin::force::{Configuration, Sweep};
 use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::observe::{Recorder, relative_residual};
 use muslin::{Model, Points, State};
@@ -25,7 +25,7 @@ fn air_forces(model: &Model, time: f64, positions: &Points, velocities: &Points)
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
         for force in model.forces().iter().filter(|force| force.depends_on_velocity()) {
-            force.add_forces(at, block, &mut own);
+            force.add_forces(at, block, &mut own, &mut Sweep::default());
         }
         rest = others;
     }

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use muslin::force::Configuration;
+use muslin::force::{Configuration, Sweep};
 use muslin::{Model, Points, State};
 
 use crate::common::{
@@ -24,7 +24,7 @@ fn total_force(model: &Model, time: f64, state: &State) -> DVec3 {
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
-        model.forces().iter().for_each(|force| force.add_forces(at, block, &mut own));
+        model.forces().iter().for_each(|force| force.add_forces(at, block, &mut own, &mut Sweep::default()));
         rest = others;
     }
     forces.iter().sum()

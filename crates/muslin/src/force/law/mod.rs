@@ -96,6 +96,7 @@ impl SpringLaw {
     }
 
     /// Gives the law that it is to `visitor`, once for a loop over many springs.
+    #[inline(always)]
     pub fn visit<V: LawVisitor>(&self, visitor: V) {
         // Small laws go by value, so that a loop need not read them again for each spring.
         match self {

@@ -75,6 +75,7 @@ impl TangentLaw {
 }
 
 impl TensionLaw for TangentLaw {
+    #[inline(always)]
     fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         self.tension_and_tangent(extension, rest_length).0
     }
@@ -83,19 +84,18 @@ impl TensionLaw for TangentLaw {
         self.tension_and_tangent(extension, rest_length).1
     }
 
+    #[inline(always)]
     fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
-        if extension <= 0.0 {
-            return (self.initial_stiffness * extension, self.initial_stiffness);
-        }
+        // All branches at once, so that springs of a row can be evaluated side by side; and by comparisons that let
+        // through what is not a number.
+        let compression = if extension > 0.0 { 0.0 } else { extension };
         let scale = self.strain_scale * rest_length;
-        let u = extension / scale;
-        let (tangent, ratio) = if u <= CAP_ARGUMENT {
-            let tangent = libm::tan(u);
-            (tangent, 1.0 + tangent * tangent)
-        } else {
-            (CAP_TANGENT + CAP_RATIO * (u - CAP_ARGUMENT), CAP_RATIO)
-        };
-        (self.initial_stiffness * scale * tangent, self.initial_stiffness * ratio)
+        let u = (extension - compression) * (1.0 / scale);
+        let beyond = if u < CAP_ARGUMENT { 0.0 } else { u - CAP_ARGUMENT };
+        let tangent = tangent(u - beyond);
+        let tension =
+            self.initial_stiffness * (scale * (tangent + CAP_RATIO * beyond) + compression);
+        (tension, self.initial_stiffness * (1.0 + tangent * tangent))
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
@@ -123,6 +123,23 @@ impl TensionLaw for TangentLaw {
         let straight = beyond * (t * c + beyond * (0.5 * (t + r * c) + beyond * r / 3.0));
         self.initial_stiffness * scale * scale * scale * (tangent_moment(u.min(c)) + straight)
     }
+}
+
+/// tan u for 0 ≤ u up to the cap, by 2t / (1 − t²) with t = tan ½u from Lambert's continued fraction of eight terms
+///
+/// ```text
+/// tan w = w / (1 − w² / (3 − w² / (5 − …)))
+/// ```
+///
+/// whose error at w = ¼π is 5e-16. It has one division, no branch and no table, so that a row of springs takes it at the
+/// full width of vectors.
+#[inline(always)]
+fn tangent(u: f64) -> f64 {
+    let w = 0.5 * u;
+    let z = w * w;
+    let numerator = w * (2_027_025.0 - z * (270_270.0 - z * (6930.0 - z * 36.0)));
+    let denominator = 2_027_025.0 - z * (945_945.0 - z * (51_975.0 - z * (630.0 - z)));
+    2.0 * numerator * denominator / ((denominator - numerator) * (denominator + numerator))
 }
 
 /// `∫₀ᵘ s tan s ds` for 0 ≤ u < ½π: by parts −u ln cos u + ∫₀ᵘ ln cos s ds.
