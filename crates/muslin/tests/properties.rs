@@ -251,10 +251,9 @@ fn forces_in_motion(model: &Model, positions: &Points, velocities: &Points) -> P
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
-        model
-            .forces()
-            .iter()
-            .for_each(|force| force.add_forces(at(model, positions, velocities), block, &mut own, &mut Sweep::default()));
+        model.forces().iter().for_each(|force| {
+            force.add_forces(at(model, positions, velocities), block, &mut own, &mut Sweep::default())
+        });
         rest = others;
     }
     forces

@@ -39,6 +39,22 @@ impl Force for Gravity {
         }
     }
 
+    fn set_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        _sweep: &mut Sweep,
+    ) {
+        for run in at.particles.runs(block) {
+            let own = run.particles.start - block.start..run.particles.end - block.start;
+            let weight = run.mass * self.acceleration;
+            forces.x[own.clone()].fill(weight.x);
+            forces.y[own.clone()].fill(weight.y);
+            forces.z[own].fill(weight.z);
+        }
+    }
+
     fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
         for (position, mass) in at.positions.iter().zip(at.particles.masses()) {
             energies.gravitational -= mass * self.acceleration.dot(position);

@@ -124,6 +124,18 @@ pub trait Force: fmt::Debug + Send + Sync {
         sweep: &mut Sweep,
     );
 
+    /// Overwrites the `forces` [N] on every particle of `block`: what [`add_forces`](Self::add_forces) adds to zero.
+    fn set_forces(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        forces: &mut PointsMut<'_>,
+        sweep: &mut Sweep,
+    ) {
+        forces.fill(0.0);
+        self.add_forces(at, block, forces, sweep);
+    }
+
     /// Adds `K u` [N], with the tangent `K = −∂F/∂x` [N/m] and `displacements` u [m] of all particles.
     fn add_tangent_products(
         &self,

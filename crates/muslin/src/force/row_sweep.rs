@@ -6,16 +6,20 @@
 
 use std::ops::Range;
 
+use super::Configuration;
 use super::grid_springs::{GridFamily, GridSprings, columns};
 use super::law::{LawVisitor, TensionLaw};
 use super::spring::{Spring, SpringLength};
-use super::Configuration;
 use crate::instructions::Vectorise;
 use crate::model::Grid;
 use crate::{Points, PointsMut};
 
 /// Particles of a row that are worked on at a time, so that their springs stay in a core's first-level cache.
 const TILE: usize = 128;
+
+/// Springs that are evaluated side by side: as many as the widest vectors hold. Narrower ones take several turns, which
+/// overlap.
+const LANES: usize = 8;
 
 /// Room for the springs of the last particles before a tile.
 const PAD: usize = 8;
@@ -102,7 +106,7 @@ impl Vectorise for RowSweep<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run(self) {
         let Self { springs, at, rows, forces, mut bounds, sweep } = self;
         let grid = springs.grid;
         let mut pass = RowPass { springs, at, sweep, is_bounded: bounds.is_some() };
@@ -110,7 +114,7 @@ impl Vectorise for RowSweep<'_, '_> {
             pass.start();
             // Two rows up is as far as springs reach.
             for row in rows.start.saturating_sub(2)..rows.start {
-                pass.strip::<LANES>(row..row + 1, None, None);
+                pass.strip(row..row + 1, None, None);
             }
         }
         let rows_per_strip = (TILE / grid.columns).max(1);
@@ -123,7 +127,7 @@ impl Vectorise for RowSweep<'_, '_> {
                 z: &mut forces.z[own.clone()],
             };
             let strip_bounds = bounds.as_mut().map(|bounds| &mut bounds[own.clone()]);
-            pass.strip::<LANES>(strip, Some(strip_forces), strip_bounds);
+            pass.strip(strip, Some(strip_forces), strip_bounds);
         }
         sweep.next = Some((grid.particle(0, rows.end), bounds.is_some()));
     }
@@ -158,7 +162,7 @@ impl RowPass<'_> {
     /// Evaluates the springs of `rows`, adds what all springs do to them to their `forces` and `bounds`, and keeps what they
     /// do to later rows.
     #[inline(always)]
-    fn strip<const LANES: usize>(
+    fn strip(
         &mut self,
         rows: Range<usize>,
         mut forces: Option<PointsMut<'_>>,
@@ -173,9 +177,21 @@ impl RowPass<'_> {
                 let springs = &mut self.sweep.springs[family.family as usize];
                 let (springs_of, at, tile) = (self.springs, self.at, &tile);
                 if self.is_bounded && !family.has_constant_stiffness() {
-                    family.law.visit(EvalSprings::<LANES, true> { grid: springs_of.grid, tile, family, at, springs });
+                    family.law.visit(EvalSprings::<true> {
+                        grid: springs_of.grid,
+                        tile,
+                        family,
+                        at,
+                        springs,
+                    });
                 } else {
-                    family.law.visit(EvalSprings::<LANES, false> { grid: springs_of.grid, tile, family, at, springs });
+                    family.law.visit(EvalSprings::<false> {
+                        grid: springs_of.grid,
+                        tile,
+                        family,
+                        at,
+                        springs,
+                    });
                 }
             }
             for row in rows.clone() {
@@ -312,7 +328,7 @@ impl Shape {
 /// Evaluates the springs of one family in one tile, with their stiffness if `BOUNDED`.
 ///
 /// Several rows are one row to it: springs from the end of one to the beginning of the next are made zero again.
-struct EvalSprings<'a, const LANES: usize, const BOUNDED: bool> {
+struct EvalSprings<'a, const BOUNDED: bool> {
     grid: Grid,
     tile: &'a Tile,
     family: &'a GridFamily,
@@ -320,7 +336,7 @@ struct EvalSprings<'a, const LANES: usize, const BOUNDED: bool> {
     springs: &'a mut [TileSprings; 2],
 }
 
-impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LANES, BOUNDED> {
+impl<const BOUNDED: bool> LawVisitor for EvalSprings<'_, BOUNDED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
         let Self { grid, tile: Tile { rows, columns }, family, at, springs } = self;
@@ -337,7 +353,7 @@ impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LAN
                 let Points { x, y, z } = at.positions;
                 let own = [x, y, z].map(|values| &values[own..own + count]);
                 let other = [x, y, z].map(|values| &values[other..other + count]);
-                eval_row::<LANES, BOUNDED, _>(&spring, own, other, springs);
+                eval_row::<BOUNDED, _>(&spring, own, other, springs);
             }
             let end = PAD + rows.len() * columns.len();
             let arrays = if BOUNDED { 4 } else { 3 };
@@ -353,7 +369,7 @@ impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LAN
 
 /// Evaluates a row of springs from `own` to `other` positions [m].
 #[inline(always)]
-fn eval_row<const LANES: usize, const BOUNDED: bool, L: TensionLaw>(
+fn eval_row<const BOUNDED: bool, L: TensionLaw>(
     spring: &Spring<L>,
     own: [&[f64]; 3],
     other: [&[f64]; 3],
@@ -366,13 +382,9 @@ fn eval_row<const LANES: usize, const BOUNDED: bool, L: TensionLaw>(
         }
         return;
     }
-    let whole = count - count % LANES;
-    for start in (0..whole).step_by(LANES) {
-        eval_lanes::<LANES, BOUNDED, _>(spring, own, other, springs, start);
-    }
-    if whole < count {
-        // Some springs again, which costs less than the rest one by one.
-        eval_lanes::<LANES, BOUNDED, _>(spring, own, other, springs, count - LANES);
+    for start in (0..count).step_by(LANES) {
+        // In the end some springs again, which costs less than the last ones one by one.
+        eval_lanes::<LANES, BOUNDED, _>(spring, own, other, springs, start.min(count - LANES));
     }
 }
 

@@ -85,14 +85,8 @@ impl<L: TensionLaw> Spring<L> {
     #[must_use]
     pub fn coefficient(&self, at: SpringLength) -> f64 {
         let tension = self.law.tension(at.length - self.rest_length, self.rest_length);
-        self.coefficient_of(tension, at)
-    }
-
-    /// Coefficient c [N/m] of a `tension` [N].
-    #[inline(always)]
-    fn coefficient_of(&self, tension: f64, at: SpringLength) -> f64 {
         match self.direction {
-            ForceDirection::CurrentLength => tension * at.inverse,
+            ForceDirection::CurrentLength => self.law.tension_by_length(tension, at, self.rest_length),
             ForceDirection::RestLength => tension * (1.0 / self.rest_length),
         }
     }
@@ -117,10 +111,14 @@ impl<L: TensionLaw> Spring<L> {
     #[must_use]
     pub fn coefficient_and_stiffness(&self, at: SpringLength) -> (f64, f64) {
         let (tension, tangent) = self.law.tension_and_tangent(at.length - self.rest_length, self.rest_length);
-        let coefficient = self.coefficient_of(tension, at);
-        let axial = match self.direction {
-            ForceDirection::CurrentLength => tangent,
-            ForceDirection::RestLength => (tangent * at.length + tension) * (1.0 / self.rest_length),
+        let (coefficient, axial) = match self.direction {
+            ForceDirection::CurrentLength => {
+                (self.law.tension_by_length(tension, at, self.rest_length), tangent)
+            }
+            ForceDirection::RestLength => {
+                let inverse = 1.0 / self.rest_length;
+                (tension * inverse, (tangent * at.length + tension) * inverse)
+            }
         };
         // Comparisons in place of `max`, which would pass over what is not a number.
         let larger = if axial < coefficient { coefficient } else { axial };

@@ -216,10 +216,12 @@ fn eval_block(
     mut forces: PointsMut<'_>,
     sweep: &mut Sweep,
 ) {
-    forces.fill(0.0);
-    for force in model.forces().iter().filter(|force| !force.depends_on_velocity()) {
-        force.add_forces(at, block, &mut forces, sweep);
+    let mut others = model.forces().iter().filter(|force| !force.depends_on_velocity());
+    match others.next() {
+        Some(force) => force.set_forces(at, block, &mut forces, sweep),
+        None => forces.fill(0.0),
     }
+    others.for_each(|force| force.add_forces(at, block, &mut forces, sweep));
 }
 
 /// The same, and the varying stiffness `bounds` [N/m]; the largest of bound / mass [1/s²].
@@ -230,15 +232,25 @@ fn eval_block_and_bounds(
     (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
     sweep: &mut Sweep,
 ) -> f64 {
-    forces.fill(0.0);
     bounds.fill(0.0);
+    let mut is_set = false;
     for force in model.forces() {
         if force.depends_on_velocity() {
             // Its force is added later, but what is stiff about it counts here.
             force.add_stiffness_bounds(at, block, bounds);
-        } else {
+        } else if force.has_varying_bounds() {
+            if !std::mem::replace(&mut is_set, true) {
+                forces.fill(0.0);
+            }
             force.add_forces_and_varying_bounds(at, block, &mut forces, bounds, sweep);
+        } else if std::mem::replace(&mut is_set, true) {
+            force.add_forces(at, block, &mut forces, sweep);
+        } else {
+            force.set_forces(at, block, &mut forces, sweep);
         }
+    }
+    if !is_set {
+        forces.fill(0.0);
     }
     largest_rate(model.particles(), block, bounds)
 }
@@ -320,36 +332,34 @@ impl Vectorise for MoveBlock<'_, '_> {
     type Output = Moved;
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) -> Moved {
+    fn run(self) -> Moved {
         let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
         let mut moved = Moved { is_finite: true, motion: Motion::default() };
-        let mut next = block.start;
-        for run in particles.free_runs(block) {
-            let factors = Factors::new(run.mass, run.drag, steps);
+        for run in particles.runs(block) {
             let own = run.particles.start - block.start..run.particles.end - block.start;
-            let pins = next - block.start..own.start;
-            next = run.particles.end;
-            for (positions, velocities, forces) in [
-                (&mut *positions.x, &mut *velocities.x, &forces.x),
-                (&mut *positions.y, &mut *velocities.y, &forces.y),
-                (&mut *positions.z, &mut *velocities.z, &forces.z),
-            ] {
-                velocities[pins.clone()].fill(0.0);
-                let (positions, velocities) = (&mut positions[own.clone()], &mut velocities[own.clone()]);
-                let forces = &forces[run.particles.clone()];
-                if is_measured {
-                    moved.motion.power_before += power(forces, velocities);
-                }
-                moved.is_finite &= move_axis(positions, velocities, forces, factors, steps.next);
-                if is_measured {
-                    moved.motion.power_after += power(forces, velocities);
-                    moved.motion.kinetic_energy += 0.5 * run.mass * power(velocities, velocities);
-                }
+            let [x, y, z] = [&mut *velocities.x, &mut *velocities.y, &mut *velocities.z]
+                .map(|velocities| &mut velocities[own.clone()]);
+            if run.is_pinned {
+                [x, y, z].into_iter().for_each(|velocities| velocities.fill(0.0));
+                continue;
             }
-        }
-        let pins = next - block.start..block.len();
-        for velocities in [velocities.x, velocities.y, velocities.z] {
-            velocities[pins.clone()].fill(0.0);
+            let factors = Factors::new(run.mass, run.drag, steps);
+            let [force_x, force_y, force_z] =
+                [&forces.x, &forces.y, &forces.z].map(|forces| &forces[run.particles.clone()]);
+            if is_measured {
+                moved.motion.power_before += power(force_x, x) + power(force_y, y) + power(force_z, z);
+            }
+            moved.is_finite &= move_run(
+                (&mut positions.x[own.clone()], &mut positions.y[own.clone()], &mut positions.z[own]),
+                (&mut *x, &mut *y, &mut *z),
+                (force_x, force_y, force_z),
+                factors,
+                steps.next,
+            );
+            if is_measured {
+                moved.motion.power_after += power(force_x, x) + power(force_y, y) + power(force_z, z);
+                moved.motion.kinetic_energy += 0.5 * run.mass * (power(x, x) + power(y, y) + power(z, z));
+            }
         }
         moved
     }
@@ -476,24 +486,30 @@ impl Integrator for CentralDifference {
     }
 }
 
-/// Moves one coordinate of equal particles by `step` [s]; whether all positions stay finite.
+/// Moves equal particles by `step` [s]; whether all positions stay finite.
 #[inline(always)]
-fn move_axis(
-    positions: &mut [f64],
-    velocities: &mut [f64],
-    forces: &[f64],
+fn move_run(
+    (x, y, z): (&mut [f64], &mut [f64], &mut [f64]),
+    (velocity_x, velocity_y, velocity_z): (&mut [f64], &mut [f64], &mut [f64]),
+    (force_x, force_y, force_z): (&[f64], &[f64], &[f64]),
     factors: Factors,
     step: f64,
 ) -> bool {
-    let count = positions.len();
-    let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
+    let count = x.len();
+    let (y, z) = (&mut y[..count], &mut z[..count]);
+    let (velocity_x, velocity_y) = (&mut velocity_x[..count], &mut velocity_y[..count]);
+    let velocity_z = &mut velocity_z[..count];
+    let (force_x, force_y, force_z) = (&force_x[..count], &force_y[..count], &force_z[..count]);
     let mut finite = true;
     for i in 0..count {
-        let velocity = factors.velocity * velocities[i] + factors.force * forces[i];
-        let position = positions[i] + step * velocity;
-        velocities[i] = velocity;
-        positions[i] = position;
-        finite &= position.is_finite();
+        velocity_x[i] = factors.velocity * velocity_x[i] + factors.force * force_x[i];
+        velocity_y[i] = factors.velocity * velocity_y[i] + factors.force * force_y[i];
+        velocity_z[i] = factors.velocity * velocity_z[i] + factors.force * force_z[i];
+        x[i] += step * velocity_x[i];
+        y[i] += step * velocity_y[i];
+        z[i] += step * velocity_z[i];
+        // Finite unless one of them is not, or close to overflow.
+        finite &= (x[i] + y[i] + z[i]).is_finite();
     }
     finite
 }

@@ -10,18 +10,20 @@ pub struct Particles {
     masses: Vec<f64>,
     drags: Vec<f64>,
     pinned: Vec<bool>,
-    free_runs: Vec<FreeRun>,
+    runs: Vec<ParticleRun>,
 }
 
-/// Consecutive particles that are free and have the same mass and drag.
+/// Consecutive particles with the same constants.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FreeRun {
+pub struct ParticleRun {
     /// The particles.
     pub particles: Range<usize>,
     /// Mass m [kg] of each.
     pub mass: f64,
     /// Linear drag k_d [kg/s] of each.
     pub drag: f64,
+    /// Whether they are pinned.
+    pub is_pinned: bool,
 }
 
 impl Particles {
@@ -60,27 +62,31 @@ impl Particles {
         self.pinned.iter().enumerate().filter_map(|(particle, &pinned)| pinned.then_some(particle))
     }
 
-    /// The free particles of `block`, in runs of equal ones.
-    pub fn free_runs(&self, block: &Range<usize>) -> impl Iterator<Item = FreeRun> + '_ {
+    /// The particles of `block` in ascending order, in runs of equal ones.
+    pub fn runs(&self, block: &Range<usize>) -> impl Iterator<Item = ParticleRun> + '_ {
         let block = block.clone();
-        let first = self.free_runs.partition_point(|run| run.particles.end <= block.start);
-        let runs = self.free_runs[first..].iter().take_while(move |run| run.particles.start < block.end);
-        runs.map(move |run| FreeRun {
+        let first = self.runs.partition_point(|run| run.particles.end <= block.start);
+        let runs = self.runs[first..].iter().take_while(move |run| run.particles.start < block.end);
+        runs.map(move |run| ParticleRun {
             particles: run.particles.start.max(block.start)..run.particles.end.min(block.end),
             ..*run
         })
     }
 
-    /// Finds the runs of equal free particles, once all particles and pins are there.
+    /// Finds the runs, once all particles and pins are there.
     pub(crate) fn find_runs(&mut self) {
-        self.free_runs.clear();
-        for particle in (0..self.len()).filter(|&particle| !self.pinned[particle]) {
+        self.runs.clear();
+        for particle in 0..self.len() {
             let (mass, drag) = (self.masses[particle], self.drags[particle]);
-            match self.free_runs.last_mut() {
-                Some(run) if run.particles.end == particle && run.mass == mass && run.drag == drag => {
+            let is_pinned = self.pinned[particle];
+            match self.runs.last_mut() {
+                Some(run) if run.mass == mass && run.drag == drag && run.is_pinned == is_pinned => {
                     run.particles.end += 1;
                 }
-                _ => self.free_runs.push(FreeRun { particles: particle..particle + 1, mass, drag }),
+                _ => {
+                    let particles = particle..particle + 1;
+                    self.runs.push(ParticleRun { particles, mass, drag, is_pinned });
+                }
             }
         }
     }

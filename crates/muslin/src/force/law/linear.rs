@@ -1,6 +1,7 @@
 //! Hooke's law.
 
 use super::TensionLaw;
+use crate::force::SpringLength;
 
 /// Hooke's law.
 ///
@@ -21,6 +22,12 @@ impl TensionLaw for LinearLaw {
 
     fn tangent(&self, _extension: f64, _rest_length: f64) -> f64 {
         self.stiffness
+    }
+
+    /// `k (ℓ − L) / ℓ = k − k L / ℓ`, the same but for rounding.
+    #[inline(always)]
+    fn tension_by_length(&self, _tension: f64, at: SpringLength, rest_length: f64) -> f64 {
+        self.stiffness - self.stiffness * rest_length * at.inverse
     }
 
     fn energy(&self, extension: f64, _rest_length: f64) -> f64 {

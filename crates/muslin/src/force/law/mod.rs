@@ -10,6 +10,7 @@ pub use curve::CurveLaw;
 pub use linear::LinearLaw;
 pub use tangent::TangentLaw;
 
+use super::spring::SpringLength;
 use crate::scene::{SpringLawSettings, SpringSettings};
 
 /// Tension of a spring against its extension.
@@ -30,6 +31,14 @@ pub trait TensionLaw: Send + Sync {
     #[inline(always)]
     fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         (self.tension(extension, rest_length), self.tangent(extension, rest_length))
+    }
+
+    /// The `tension` f [N] at a length ℓ, divided by it: f / ℓ [N/m]. A law may know a shorter way than by its tension, but
+    /// where the ends coincide it does not matter what it is.
+    #[inline(always)]
+    fn tension_by_length(&self, tension: f64, at: SpringLength, rest_length: f64) -> f64 {
+        let _ = rest_length;
+        tension * at.inverse
     }
 
     /// Energy E [J].
@@ -54,6 +63,11 @@ impl<L: TensionLaw> TensionLaw for &L {
     #[inline(always)]
     fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         L::tension_and_tangent(self, extension, rest_length)
+    }
+
+    #[inline(always)]
+    fn tension_by_length(&self, tension: f64, at: SpringLength, rest_length: f64) -> f64 {
+        L::tension_by_length(self, tension, at, rest_length)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
@@ -145,6 +159,15 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Curve(law) => law.tension_and_tangent(extension, rest_length),
+        }
+    }
+
+    fn tension_by_length(&self, tension: f64, at: SpringLength, rest_length: f64) -> f64 {
+        match self {
+            Self::Linear(law) => law.tension_by_length(tension, at, rest_length),
+            Self::Tangent(law) => law.tension_by_length(tension, at, rest_length),
+            Self::Arctangent(law) => law.tension_by_length(tension, at, rest_length),
+            Self::Curve(law) => law.tension_by_length(tension, at, rest_length),
         }
     }
 

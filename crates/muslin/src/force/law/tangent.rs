@@ -93,8 +93,7 @@ impl TensionLaw for TangentLaw {
         let u = (extension - compression) * (1.0 / scale);
         let beyond = if u < CAP_ARGUMENT { 0.0 } else { u - CAP_ARGUMENT };
         let tangent = tangent(u - beyond);
-        let tension =
-            self.initial_stiffness * (scale * (tangent + CAP_RATIO * beyond) + compression);
+        let tension = self.initial_stiffness * (scale * (tangent + CAP_RATIO * beyond) + compression);
         (tension, self.initial_stiffness * (1.0 + tangent * tangent))
     }
 
