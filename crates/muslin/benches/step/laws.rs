@@ -82,7 +82,7 @@ pub(crate) fn by_law(report: &mut Report<impl Write>, budget: Budget) -> io::Res
 
 /// Counts steps, those that were taken back, too.
 #[derive(Default)]
-struct StepCount(u64);
+pub(crate) struct StepCount(pub(crate) u64);
 
 impl Observer for StepCount {
     fn step(&mut self, _model: &Model, _state: &State) {

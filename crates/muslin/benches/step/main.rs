@@ -3,8 +3,10 @@
 //! `cargo bench` prints all sections in a few minutes; `cargo bench -- --quick` in half a minute, with more noise.
 //! `cargo bench -- textbook sizes` prints the named ones, and `--json FILE` writes what was measured. Times change from machine
 //! to machine and from minute to minute; the ratios are of competitors that took turns, medians with quartiles in brackets.
+//! `--steps CASE COUNT` measures nothing but takes steps, whose instructions another program counts.
 
 mod cloth;
+mod counted;
 mod floor;
 mod instruction_set;
 mod laws;
@@ -33,18 +35,30 @@ struct Arguments {
     json: Option<String>,
     /// Names of sections; all if there are none.
     sections: Vec<String>,
+    /// A case, and how many steps of it to take, in place of measuring.
+    steps: Option<(String, u64)>,
 }
 
 impl Arguments {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut arguments = Self { budget: Budget::FULL, json: None, sections: Vec::new() };
+        let mut arguments = Self { budget: Budget::FULL, json: None, sections: Vec::new(), steps: None };
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--bench" => {} // which Cargo adds
                 "--quick" => arguments.budget = Budget::QUICK,
                 "--json" => arguments.json = Some(words.next().ok_or("`--json` needs a file")?),
+                "--steps" => {
+                    let case = words.next().filter(|case| counted::CASES.contains(&case.as_str()));
+                    let count = words.next().and_then(|count| count.parse().ok());
+                    let steps = case.zip(count).ok_or_else(|| {
+                        format!("`--steps` needs one of {}, and a number", counted::CASES.join(", "))
+                    })?;
+                    arguments.steps = Some(steps);
+                }
                 option if option.starts_with('-') => {
-                    return Err(format!("`{option}` is neither `--quick` nor `--json FILE`"));
+                    return Err(format!(
+                        "`{option}` is none of `--quick`, `--json FILE`, `--steps CASE COUNT`"
+                    ));
                 }
                 _ => arguments.sections.push(word),
             }
@@ -71,6 +85,10 @@ fn sections<W: Write>() -> [(&'static str, Section<W>); 7] {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::read(std::env::args().skip(1))?;
+    if let Some((case, count)) = &arguments.steps {
+        let steps = counted::run(case, *count).unwrap_or_default();
+        return Ok(writeln!(io::stdout(), "{steps}")?);
+    }
     let sections = sections();
     for name in &arguments.sections {
         if sections.iter().all(|(known, _)| known != name) {
