@@ -3,6 +3,7 @@
 use muslin::integrate::Workers;
 use muslin::{Model, Simulation};
 
+use super::clock::Clock;
 use super::cloth::Cloth;
 use super::laws::StepCount;
 use super::stepper::{Stepper, instruction_sets};
@@ -29,7 +30,7 @@ fn constant_steps(width: usize, count: u64) -> u64 {
     let Some(instructions) = instruction_sets().pop() else { return 0 };
     let mut stepper = Stepper::new(&cloth, &scene, instructions, &Workers::single());
     let start = cloth.state(&scene, stepper.model());
-    stepper.run(&start, &mut start.clone(), count);
+    stepper.run(Clock::Thread, &start, &mut start.clone(), count);
     count * cloth.particles() as u64
 }
 

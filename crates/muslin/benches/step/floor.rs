@@ -9,8 +9,9 @@
 )]
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use super::clock::{Clock, Stopwatch};
 use super::instruction_set::InstructionSet;
 
 /// Operations of one particle in one step, or of one spring.
@@ -96,7 +97,7 @@ const HALF: f64 = 0.5;
 /// Time [s] of a particle's operations of [`Operations::SEED`] or, not `by_seed`, of [`Operations::ROOT`]; `count` times
 /// [`particles_at_once`].
 pub(crate) fn run_operations(instructions: InstructionSet, by_seed: bool, count: u64) -> Duration {
-    let start = Instant::now();
+    let start = Stopwatch::start(Clock::Thread);
     match (instructions, by_seed) {
         // SAFETY: whoever has a set of instructions has it from `InstructionSet::available`.
         #[cfg(target_arch = "x86_64")]

@@ -2,13 +2,14 @@
 
 use std::cell::RefCell;
 use std::io::{self, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use muslin::integrate::Workers;
 use muslin::observe::Observer;
 use muslin::{Model, Scene, Simulation, State};
 use serde_json::json;
 
+use super::clock::{Clock, Stopwatch};
 use super::cloth::Cloth;
 use super::measure::{Budget, Competitor};
 use super::stepper::{Stepper, instruction_sets};
@@ -18,7 +19,7 @@ use super::table::{Report, Row, Target};
 const WIDTH: usize = 100;
 
 /// Width of those that move adaptively, which have to fall first.
-const ADAPTIVE_WIDTH: usize = 64;
+const ADAPTIVE_WIDTH: usize = 60;
 
 const PARTICLE_WIND: &str = "[[environment.wind]]
 law = 'particle-force'
@@ -62,7 +63,7 @@ pub(crate) fn by_law(report: &mut Report<impl Write>, budget: Budget) -> io::Res
         let memory = RefCell::new(start.clone());
         let competitors = steppers.iter_mut().map(|stepper| {
             let (start, memory) = (&start, &memory);
-            let step = move |count| stepper.run(start, &mut memory.borrow_mut(), count);
+            let step = move |count| stepper.run(Clock::Thread, start, &mut memory.borrow_mut(), count);
             Competitor::new(linear.particles() as f64, step)
         });
         let samples = budget.compare(competitors.collect());
@@ -127,7 +128,7 @@ impl Excerpt {
                 let again = Simulation::resume(&self.scene, method, self.first.clone(), FIRST_FRAME);
                 self.simulation = again.unwrap_or_else(|error| panic!("{error}"));
             }
-            let start = Instant::now();
+            let start = Stopwatch::start(Clock::Thread);
             self.simulation.advance(&mut [&mut steps]).unwrap_or_else(|error| panic!("{error}"));
             time += start.elapsed();
         }

@@ -5,6 +5,7 @@
 //! to machine and from minute to minute; the ratios are of competitors that took turns, medians with quartiles in brackets.
 //! `--steps CASE COUNT` measures nothing but takes steps, whose instructions another program counts.
 
+mod clock;
 mod cloth;
 mod counted;
 mod floor;

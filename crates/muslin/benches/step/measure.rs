@@ -5,6 +5,8 @@
 
 use std::time::{Duration, Instant};
 
+use super::clock::{Clock, Stopwatch};
+
 /// What is measured: something that repeats its work and says how long it took.
 pub(crate) struct Competitor<'a> {
     /// Units of work in one repetition, such as steps times particles.
@@ -18,10 +20,10 @@ impl<'a> Competitor<'a> {
         Self { units, repeat: Box::new(repeat) }
     }
 
-    /// The same for `work` that needs no preparation.
+    /// The same for `work` on this thread that needs no preparation.
     pub(crate) fn of(units: f64, mut work: impl FnMut(u64) + 'a) -> Self {
         Self::new(units, move |count| {
-            let start = Instant::now();
+            let start = Stopwatch::start(Clock::Thread);
             work(count);
             start.elapsed()
         })

@@ -7,6 +7,7 @@ use glam::DVec3;
 use muslin::integrate::Workers;
 use serde_json::json;
 
+use super::clock::Clock;
 use super::cloth::Cloth;
 use super::floor::{Bytes, Operations, particles_at_once, run_operations};
 use super::instruction_set::InstructionSet;
@@ -63,7 +64,9 @@ pub(crate) fn against_the_textbook(report: &mut Report<impl Write>, budget: Budg
         ];
         competitors.extend(steppers.iter_mut().map(|stepper| {
             let (start, memory) = (&start, &memory);
-            Competitor::new(units, move |count| stepper.run(start, &mut memory.borrow_mut(), count))
+            Competitor::new(units, move |count| {
+                stepper.run(Clock::Thread, start, &mut memory.borrow_mut(), count)
+            })
         }));
         let samples = budget.compare(competitors);
         rows.push(Row::time(format!("{width}: plain loop over neighbours"), samples.time(0)));
@@ -97,7 +100,7 @@ fn check_motion() -> f64 {
         let mut stepper = Stepper::new(&cloth, &scene, set, &Workers::single());
         let start = cloth.state(&scene, stepper.model());
         let mut state = start.clone();
-        stepper.run(&start, &mut state, SAME_STEPS);
+        stepper.run(Clock::Thread, &start, &mut state, SAME_STEPS);
         for kind in [Loop::Neighbours, Loop::List] {
             let (model, step) = (stepper.model(), stepper.step());
             let mut textbook = Textbook::new(model, &start, STIFFNESSES, GRAVITY, step, kind);
@@ -137,7 +140,7 @@ pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget)
                 Competitor::of(units, move |count| bytes.run(count)),
             ];
             if is_usable {
-                let step = |count| stepper.run(&start, &mut memory, count);
+                let step = |count| stepper.run(Clock::Thread, &start, &mut memory, count);
                 competitors.push(Competitor::new(units, step));
             }
             let samples = budget.compare(competitors);

@@ -11,6 +11,7 @@ use muslin::write::write_points;
 use muslin::{Model, Scene, Simulation};
 use serde_json::json;
 
+use super::clock::Clock;
 use super::cloth::Cloth;
 use super::measure::{Budget, Competitor};
 use super::memory::live_bytes;
@@ -119,7 +120,7 @@ pub(crate) fn memory(report: &mut Report<impl Write>, _budget: Budget) -> io::Re
         let with_one_state = live_bytes();
         let mut state = start.clone();
         let of_state = live_bytes() - with_one_state;
-        stepper.run(&start, &mut state, 2);
+        stepper.run(Clock::Thread, &start, &mut state, 2);
         let bytes = (live_bytes() - before - of_state) as f64 / cloth.particles() as f64;
         let row = Row::value(format!("{}: model, state, scratch", set.name()), bytes, "B");
         rows.push(row.with_target(Target::AtMost(160.0)).about(json!({ "instructions": set.name() })));

@@ -7,6 +7,7 @@ use std::num::NonZeroUsize;
 use muslin::integrate::Workers;
 use serde_json::json;
 
+use super::clock::Clock;
 use super::cloth::Cloth;
 use super::instruction_set::InstructionSet;
 use super::machine::cores;
@@ -74,7 +75,9 @@ pub(crate) fn by_size(report: &mut Report<impl Write>, budget: Budget) -> io::Re
         for (bench, (start, memory)) in benches.iter_mut().zip(starts.iter().zip(&memories)) {
             let units = bench.cloth.particles() as f64;
             competitors.extend(bench.steppers.iter_mut().map(|stepper| {
-                Competitor::new(units, move |count| stepper.run(start, &mut memory.borrow_mut(), count))
+                Competitor::new(units, move |count| {
+                    stepper.run(Clock::Wall, start, &mut memory.borrow_mut(), count)
+                })
             }));
         }
         let samples = budget.compare(competitors);

@@ -1,10 +1,11 @@
 //! The library's step: the one place that names what it is made of.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::{Model, Scene, State};
 
+use super::clock::{Clock, Stopwatch};
 use super::cloth::Cloth;
 use super::instruction_set::InstructionSet;
 
@@ -51,8 +52,8 @@ impl Stepper {
         self.step
     }
 
-    /// Takes `count` steps from `start` in the memory of `state`, and the time that they took.
-    pub(crate) fn run(&mut self, start: &State, state: &mut State, count: u64) -> Duration {
+    /// Takes `count` steps from `start` in the memory of `state`, and the time by `clock` that they took.
+    pub(crate) fn run(&mut self, clock: Clock, start: &State, state: &mut State, count: u64) -> Duration {
         let Self { model, method, step } = self;
         // Every turn has the same work, and several steppers can share the memory of a large state.
         state.positions.clone_from(&start.positions);
@@ -60,7 +61,7 @@ impl Stepper {
         (state.time, state.last_step) = (start.time, start.last_step);
         method.eval_forces(model, state);
         let workers = method.workers().clone();
-        let start = Instant::now();
+        let start = Stopwatch::start(clock);
         workers.install(|| {
             for _ in 0..count {
                 advance(method, model, state, *step);

@@ -133,6 +133,9 @@ impl Row {
 
 /// Three digits or more.
 fn rounded(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 {
+        return format!("{value:.1e}");
+    }
     let digits = match value.abs() {
         0.0..1.0 => 3,
         1.0..10.0 => 2,
