@@ -13,21 +13,22 @@ pub(crate) enum Clock {
 
 /// A time span that has begun.
 pub(crate) struct Stopwatch {
-    clock: Clock,
-    start: Duration,
     wall: Instant,
+    /// Time of the thread at the start, where that is what counts.
+    thread: Option<Duration>,
 }
 
 impl Stopwatch {
     /// Begins now.
     pub(crate) fn start(clock: Clock) -> Self {
-        Self { clock, start: thread_time().unwrap_or_default(), wall: Instant::now() }
+        let thread = if clock == Clock::Thread { thread_time() } else { None };
+        Self { wall: Instant::now(), thread }
     }
 
     /// What has passed.
     pub(crate) fn elapsed(&self) -> Duration {
-        match (self.clock, thread_time()) {
-            (Clock::Thread, Some(now)) => now.saturating_sub(self.start),
+        match self.thread.map(|start| (start, thread_time())) {
+            Some((start, Some(now))) => now.saturating_sub(start),
             _ => self.wall.elapsed(),
         }
     }
