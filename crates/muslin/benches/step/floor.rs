@@ -139,13 +139,13 @@ fn roots_avx2(count: u64) {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
 fn seeds_avx512(count: u64) {
     by_seeds::<10, 8, 8>(count);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
 fn roots_avx512(count: u64) {
     by_roots::<10, 8>(count);
 }

@@ -31,13 +31,19 @@ impl InstructionSet {
 
     fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
-        let [avx2, avx512] = [is_x86_feature_detected!("avx2"), is_x86_feature_detected!("avx512f")];
+        let (avx2, avx512) = (
+            is_x86_feature_detected!("avx2"),
+            is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512bw"),
+        );
         #[cfg(not(target_arch = "x86_64"))]
-        let [avx2, avx512] = [false; 2];
+        let (avx2, avx512) = (false, false);
         match self {
             Self::Baseline => true,
             Self::Avx2 => avx2,
-            Self::Avx512 => avx512 && avx2,
+            Self::Avx512 => avx512,
         }
     }
 }

@@ -119,7 +119,7 @@ fn check_motion() -> f64 {
 
 /// Measures the step against the same arithmetic on registers, and the same bytes of memory.
 pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget) -> io::Result<()> {
-    let mut rows = Vec::new();
+    let (mut registers, mut rows) = (Vec::new(), Vec::new());
     for width in WIDTHS {
         let cloth = Cloth::new(width);
         let scene = cloth.scene();
@@ -147,7 +147,7 @@ pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget)
             let name = set.name();
             if width == REGISTERS {
                 for (index, what) in ["operations", "operations with √ and ÷"].into_iter().enumerate() {
-                    rows.push(Row::time(format!("{name}, {what}"), samples.time(index)));
+                    registers.push(Row::time(format!("{name}, {what}"), samples.time(index)));
                 }
             }
             if is_usable {
@@ -161,6 +161,7 @@ pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget)
             }
         }
     }
+    registers.append(&mut rows);
     let Operations { additions, multiplications, seeds, .. } = Operations::SEED;
     let root = Operations::ROOT;
     report.note(&format!(
@@ -169,5 +170,5 @@ pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget)
         root.additions, root.multiplications, root.divisions, root.square_roots
     ))?;
     let title = "linear springs, one thread, against the same operations on registers and the same bytes";
-    report.section("floor", title, ["a particle-step", "times the higher floor"], &rows)
+    report.section("floor", title, ["a particle-step", "times the higher floor"], &registers)
 }
