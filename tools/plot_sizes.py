@@ -98,7 +98,7 @@ class Axis:
         return math.log(value / self.low) / math.log(self.high / self.low)
 
     def ticks(self):
-        steps = [digit * 10.0**power for power in range(-3, 7) for digit in (1, 2, 5)]
+        steps = [digit * 10.0**power for power in range(-3, 7) for digit in (1, 2, 3, 5, 7)]
         return [value for value in steps if self.low <= value <= self.high]
 
 

@@ -152,8 +152,6 @@ pub(crate) fn against_the_floor(report: &mut Report<impl Write>, budget: Budget)
             }
             if is_usable {
                 rows.push(Row::time(format!("{width}: {name}, bytes"), samples.time(2)));
-            }
-            if is_usable {
                 let row = Row::time(format!("{width}: {name}, muslin"), samples.time(3))
                     .with_ratio(samples.ratio_to_largest(3, &[0, 2]))
                     .about(json!({ "width": width, "instructions": name }));
