@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use super::grid_stiffness::AddTensors;
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::spring::Spring;
-use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums};
+use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StiffnessTensorsMut, StrainSums};
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
 use crate::{Points, PointsMut};
@@ -40,9 +41,9 @@ struct Neighbour {
 }
 
 /// The particles of one row that have a certain neighbour, and the row of these neighbours.
-struct RowPair {
-    own: Range<usize>,
-    other: Range<usize>,
+pub(super) struct RowPair {
+    pub(super) own: Range<usize>,
+    pub(super) other: Range<usize>,
 }
 
 impl GridSprings {
@@ -160,27 +161,27 @@ impl Neighbour {
 
 /// One row of springs from `own` to `other` particles; `offset` is the first particle of the arrays that are added to.
 #[derive(Clone, Copy)]
-struct SpringRow<'a> {
-    at: Configuration<'a>,
-    pair: &'a RowPair,
+pub(super) struct SpringRow<'a> {
+    pub(super) at: Configuration<'a>,
+    pub(super) pair: &'a RowPair,
     offset: usize,
     rest_length: f64,
     direction: ForceDirection,
 }
 
 impl SpringRow<'_> {
-    fn spring<L: TensionLaw>(&self, law: L) -> Spring<L> {
+    pub(super) fn spring<L: TensionLaw>(&self, law: L) -> Spring<L> {
         Spring { law, rest_length: self.rest_length, direction: self.direction }
     }
 
     /// Where the springs' own particles are in the arrays that are added to.
-    fn target(&self) -> Range<usize> {
+    pub(super) fn target(&self) -> Range<usize> {
         self.pair.own.start - self.offset..self.pair.own.end - self.offset
     }
 
     /// Positions of the particles `range`, coordinate by coordinate.
     #[inline(always)]
-    fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
+    pub(super) fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
         let Points { x, y, z } = self.at.positions;
         [x, y, z].map(|values| &values[range.clone()])
     }
@@ -266,7 +267,7 @@ impl LawVisitor for AddForcesAndBounds<'_, '_> {
 
 /// How many columns of a particle's row of the tangent a spring fills: its own, and its neighbour's unless that is pinned.
 #[inline(always)]
-fn columns(is_neighbour_pinned: bool) -> f64 {
+pub(super) fn columns(is_neighbour_pinned: bool) -> f64 {
     if is_neighbour_pinned { 1.0 } else { 2.0 }
 }
 
@@ -299,6 +300,15 @@ impl Force for GridSprings {
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         self.for_each_row(at, block, |family, row| family.law.visit(AddBounds { row, bounds }));
+    }
+
+    fn add_stiffness_tensors(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        tensors: &mut StiffnessTensorsMut<'_>,
+    ) {
+        self.for_each_row(at, block, |family, row| family.law.visit(AddTensors { row, tensors }));
     }
 
     fn add_forces_and_varying_bounds(

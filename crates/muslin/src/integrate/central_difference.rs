@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::block_bound::BlockBound;
 use super::limits::Limiter;
 use super::pins::place_pins;
-use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
-use super::{Integrator, StepError, Workers};
+use super::stability::{configuration, larger, largest_damping_rate, stable_step};
+use super::{Integrator, StableStep, StepError, Workers};
 use crate::force::Configuration;
 use crate::model::Particles;
 use crate::points::sum_in_lanes;
@@ -45,6 +46,7 @@ pub struct CentralDifference {
     /// Of the evaluation before, once errors are asked for.
     earlier_forces: Option<Points>,
     stiffness_bounds: Vec<f64>,
+    block_bound: BlockBound,
     limiter: Limiter,
     /// Velocities [m/s] at the state's time, for forces that depend on them.
     velocities: Points,
@@ -60,6 +62,7 @@ impl CentralDifference {
             forces: Points::default(),
             earlier_forces: None,
             stiffness_bounds: Vec::new(),
+            block_bound: BlockBound::default(),
             limiter: Limiter::default(),
             velocities: Points::default(),
             damping_bounds: Vec::new(),
@@ -179,13 +182,14 @@ fn eval_block(model: &Model, at: Configuration<'_>, block: &Range<usize>, mut fo
     }
 }
 
-/// The same, and the varying stiffness `bounds` [N/m]; the largest of bound / mass [1/s²].
+/// The same, and the varying stiffness `bounds` [N/m].
 fn eval_block_and_bounds(
     model: &Model,
     at: Configuration<'_>,
     block: &Range<usize>,
-    (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
-) -> f64 {
+    mut forces: PointsMut<'_>,
+    bounds: &mut [f64],
+) {
     forces.fill(0.0);
     bounds.fill(0.0);
     for force in model.forces() {
@@ -196,7 +200,6 @@ fn eval_block_and_bounds(
             force.add_forces_and_varying_bounds(at, block, &mut forces, bounds);
         }
     }
-    largest_rate(model.particles(), block, bounds)
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -305,21 +308,39 @@ impl Integrator for CentralDifference {
         }
     }
 
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64 {
+    fn eval_forces_and_stable_step(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep {
         self.next_forces(state.positions.len());
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
         let at = configuration(model, state);
-        let eval_block = |block: &Range<usize>, arrays: (PointsMut<'_>, &mut [f64])| {
-            eval_block_and_bounds(model, at, block, arrays)
+        let block_bound = &self.block_bound;
+        let eval_block = |block: &Range<usize>, (forces, bounds): (PointsMut<'_>, &mut [f64])| {
+            eval_block_and_bounds(model, at, block, forces, bounds);
+            block_bound.rates(at.particles, block, bounds)
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
-        let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger);
+        let larger_rates = |a: [f64; 2], b: [f64; 2]| [larger(a[0], b[0]), larger(a[1], b[1])];
+        let largest = self.workers.for_blocks(model.blocks(), arrays, &eval_block, &larger_rates);
         let mut damping = 0.0;
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, at, state.last_step);
             damping = self.largest_damping_rate(model, state);
         }
-        stable_step(constant_stiffness + largest.unwrap_or(0.0), damping)
+        let [uncorrected, corrected] = largest.unwrap_or_default();
+        StableStep {
+            by_norms: stable_step(constant_stiffness + uncorrected, damping),
+            by_blocks: stable_step(corrected, damping),
+        }
+    }
+
+    fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        let stiffness = self.block_bound.eval(&self.workers, model, state, &self.stiffness_bounds);
+        let damping = if model.depends_on_velocity() { self.largest_damping_rate(model, state) } else { 0.0 };
+        stable_step(stiffness, damping)
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {

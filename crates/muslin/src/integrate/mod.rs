@@ -1,18 +1,31 @@
 //! Methods that move a [`State`] forward in time.
 
 mod adaptive_step;
+mod block_bound;
 mod central_difference;
 mod limits;
 mod pins;
 mod stability;
+mod stable_steps;
 mod workers;
 
 pub use adaptive_step::{AdaptiveStep, IdealStep};
+pub use block_bound::block_stable_step;
 pub use central_difference::CentralDifference;
 pub use stability::{constant_stiffness, guaranteed_stable_step, largest_stable_step};
+pub use stable_steps::StableSteps;
 pub use workers::{SplitArrays, Workers};
 
 use crate::{Model, Motion, Points, State};
+
+/// Steps [s] that are stable at one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StableStep {
+    /// For certain, by the norms of stiffness: the [`guaranteed_stable_step`], or somewhat less.
+    pub by_norms: f64,
+    /// By the directions of stiffness: the [`block_stable_step`], or an estimate of it.
+    pub by_blocks: f64,
+}
 
 /// A method of numerical integration.
 ///
@@ -25,12 +38,21 @@ pub trait Integrator: Send {
     /// Evaluates the forces at `state`.
     fn eval_forces(&mut self, model: &Model, state: &State);
 
-    /// [`eval_forces`](Self::eval_forces), with the same bits, and a step [s] at `state` that is stable for certain, given the
+    /// [`eval_forces`](Self::eval_forces), with the same bits, and stable steps at `state`, given the
     /// [`constant_stiffness`] [1/s²] of the model.
     ///
-    /// It is the [`guaranteed_stable_step`] or somewhat less: where the stiffest part of the cloth has to do with
-    /// springs that stiffen, and where with others, is not looked at.
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64;
+    /// The one by norms is the [`guaranteed_stable_step`] or somewhat less: where the stiffest part of the cloth has to do with
+    /// springs that stiffen, and where with others, is not looked at. The one by blocks is an estimate: what
+    /// [`eval_stable_step`](Self::eval_stable_step) found last, corrected by how the norms have changed since.
+    fn eval_forces_and_stable_step(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep;
+
+    /// The [`block_stable_step`] [s] at `state`, where forces were evaluated last, from which later estimates start.
+    fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64;
 
     /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
     /// but for rounding.
