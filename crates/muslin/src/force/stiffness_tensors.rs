@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-6;
 /// Anisotropy p / m [1] below which the invariants of a tensor are rounding.
 const LEAST_ANISOTROPY: f64 = 1e-12;
 
-/// Coefficients of a polynomial in s that is up to 4e-7 from cos(⅔ arccos s), for 0 ≤ s ≤ 1.
+/// Coefficients of a polynomial in s that is up to 2e-7 from cos(⅔ arccos s), for 0 ≤ s ≤ 1.
 const COSINE: [f64; 7] = [
     0.500_000_163_201,
     0.577_333_460_045,
@@ -88,5 +88,67 @@ impl StiffnessTensorsMut<'_> {
             COSINE.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
         };
         mean * (1.0 + 2.0 * p * cosine) * (1.0 + ROUNDING)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+
+    /// Of the tensor with these `eigenvalues`, turned about no axis of symmetry.
+    fn largest(eigenvalues: [f64; 3]) -> f64 {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 0.7);
+        let tensor = turn * DMat3::from_diagonal(eigenvalues.into()) * turn.transpose();
+        let [x, y, z] = tensor.to_cols_array_2d();
+        of_entries([x[0], y[1], z[2]], [y[2], x[2], x[1]])
+    }
+
+    fn of_entries(diagonal: [f64; 3], off_diagonal: [f64; 3]) -> f64 {
+        let mut tensors = StiffnessTensors {
+            diagonal: [DVec3::from(diagonal)].into_iter().collect(),
+            off_diagonal: [DVec3::from(off_diagonal)].into_iter().collect(),
+        };
+        tensors.as_mut().largest_eigenvalue(0)
+    }
+
+    /// From no stiffness in two directions to the same in all, with pairs that are equal, or nearly so.
+    #[test]
+    fn eigenvalue_is_not_below_the_largest_and_hardly_above() {
+        let shares = [0.0, 1e-12, 1e-6, 0.1, 1.0 / 3.0, 0.5, 0.9, 1.0 - 1e-5, 1.0 - 1e-9, 1.0 - 1e-14, 1.0];
+        for scale in [1e-25, 1.0, 3e28] {
+            for second in shares {
+                for third in shares {
+                    let eigenvalues = [scale * third, scale, scale * second];
+                    let excess = largest(eigenvalues) / scale - 1.0;
+                    assert!((0.0..2e-6).contains(&excess), "{excess:e} at {eigenvalues:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn polynomial_is_the_cosine() {
+        for i in 0..=10_000 {
+            let s = f64::from(i) / 10_000.0;
+            let found = COSINE.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient);
+            let error = found - libm::cos(libm::acos(s) * 2.0 / 3.0);
+            assert!(error.abs() < 2e-7, "{error:e} at {s}");
+        }
+    }
+
+    #[test]
+    fn no_stiffness_is_zero_and_no_number_stays_none() {
+        assert_eq!(of_entries([0.0; 3], [0.0; 3]), 0.0);
+        for place in 0..6 {
+            for value in [f64::NAN, f64::INFINITY] {
+                let mut entries = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
+                entries[place] = value;
+                let [a, b, c, d, e, f] = entries;
+                let found = of_entries([a, b, c], [d, e, f]);
+                assert!(!found.is_finite(), "{found} from {entries:?}");
+            }
+        }
     }
 }
