@@ -38,6 +38,10 @@ const MEASURED_EVERY: u32 = 8;
 /// How far one step may depart from the one that stability asks for, so that steps before and after can balance [1].
 const BALANCE: f64 = 0.8;
 
+/// Share of the step that stability asks for [1] above which steps do not balance: steps that grow and shrink by turns shake
+/// the fastest modes, even if each of them is stable.
+const BALANCED_SHARE: f64 = 0.7;
+
 /// Growth and shrinkage of the step at once at most where a tolerance rules it [1].
 const TOLERANCE_CHANGE: [f64; 2] = [0.3, 1.5];
 
@@ -111,16 +115,18 @@ impl IdealStep {
 
 /// The rule for an adaptive step.
 ///
-/// With the fastest frequency ω at the present positions (at most, by the bound of
-/// [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)) it asks for
+/// With the fastest frequency ω at the present positions (at most, by the block bound that [`StableSteps`](super::StableSteps)
+/// follows) it asks for
 ///
 /// ```text
-/// H = min(0.8 (ω₀/ω)^¼ · 2/ω, 0.055 / ω_E, longest step that any force or drag allows)
+/// H = min(0.8 · 2/ω, 0.055 / ω_E, longest step that any force or drag allows)
 /// ```
 ///
-/// **Stability.** 2/ω is the limit of central differences. Where the bound cannot change (Hooke's law) the share is 0.95. Where
-/// springs stiffen it falls from 0.8, with ω₀ of the flat cloth: close to their asymptote their stiffness changes many times
-/// over a small part of their length, and a step that is merely stable would gain energy from each such impact.
+/// **Stability.** 2/ω is the limit of central differences. Where no spring can stiffen (Hooke's law) the share is 0.95.
+/// After a step in which stiffness changed by 15 % the share is 0.8 (ω₀/ω)^¼ for one to two spans of steps, with ω, and ω₀ of the
+/// flat cloth, by norms ([`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)): close to the asymptote of
+/// its springs a cloth stiffens many times over a small part of their length, and a step that is merely stable would gain
+/// energy from each such impact.
 ///
 /// **Energy.** ω_E is the frequency at which kinetic energy turns into elastic, the Rayleigh quotient of the motion, taken
 /// with the largest kinetic energy T so far:
@@ -131,7 +137,7 @@ impl IdealStep {
 ///
 /// Central differences conserve a neighbouring energy, which differs from the true one by about (h ω_E)² / 6 of T. In a
 /// cloth ω_E is far below ω: the stiffest motion carries next to no energy, and this term rests. For a few masses on
-/// springs it is what makes the motion accurate. The rule remembers the largest ω_E / ω for more than a period, so that the step
+/// springs it is what makes the motion accurate. The rule remembers the largest ω_E / ω, by norms, for more than a period, so that the step
 /// follows ω through a swing and not the swing itself.
 ///
 /// **Balance.** A step chosen from the state before it alone, with nothing from the state after it, lets the energy drift,
@@ -143,9 +149,9 @@ impl IdealStep {
 /// ```
 ///
 /// which is the same in both directions. Where stability rules, motions near ω are not resolved anyway; steps that swing
-/// around H would only shake them.
+/// around H would only shake them: it balances up to 0.7 of what stability asks for.
 ///
-/// **Guard.** A step after which the fastest frequency has grown too much (2/ω < h / 0.95, or threefold) is taken back and
+/// **Guard.** A step after which the fastest frequency by norms has grown too much (threefold, or 2/ω < h / 0.95 by blocks) is taken back and
 /// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps. So is one in which it
 /// has grown by 15 %, if it is longer than 0.4 · 2/ω; steps stay as short for a while. However much it has
 /// grown, a step that resolves it (h ω ≤ 0.055) stands: what begins without any stiffness or damping, and what a limit
@@ -192,7 +198,10 @@ impl AdaptiveStep {
             return IdealStep { whole: memory.ideal_step, rest: memory.rest_of_step, is_cut: true };
         }
         let accurate = 0.5 * ENERGY_ACCURACY / memory.energetic_share() * stable.by_norms;
-        if memory.ideal_step == 0.0 || longest < accurate || self.is_stiffness_constant {
+        let is_balanced = accurate <= longest
+            && accurate <= BALANCED_SHARE * self.largest_step(stable.by_blocks)
+            && !self.is_stiffness_constant;
+        if memory.ideal_step == 0.0 || !is_balanced {
             return IdealStep::dividing(longest.min(accurate));
         }
         let balanced = 1.0 / (2.0 / accurate - 1.0 / memory.ideal_step);
