@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use muslin::integrate::{Integrator, StepError, Workers};
+use muslin::integrate::{Integrator, StableStep, StepError, Workers};
 use muslin::{Model, Motion, Points, State};
 
 /// Time spent in steps, shared with the integrator that measures it.
@@ -44,8 +44,17 @@ impl Integrator for TimedIntegrator {
         self.timed(|inner| inner.eval_forces(model, state));
     }
 
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64 {
+    fn eval_forces_and_stable_step(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep {
         self.timed(|inner| inner.eval_forces_and_stable_step(model, state, constant_stiffness))
+    }
+
+    fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        self.timed(|inner| inner.eval_stable_step(model, state))
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {

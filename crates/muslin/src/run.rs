@@ -1,8 +1,8 @@
 //! The run of a scene: its schedule of frames, and the steps between them.
 
 use crate::integrate::{
-    AdaptiveStep, CentralDifference, IdealStep, Integrator, StepError, Workers, constant_stiffness,
-    guaranteed_stable_step, largest_stable_step,
+    AdaptiveStep, CentralDifference, IdealStep, Integrator, StableStep, StableSteps, StepError, StepTo,
+    Workers, block_stable_step, guaranteed_stable_step, largest_stable_step,
 };
 use crate::observe::{Frame, Observer};
 use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
@@ -62,10 +62,7 @@ enum Steps {
     },
     Adaptive {
         rule: AdaptiveStep,
-        /// Stiffness [1/s²] that is the same in all states.
-        constant_stiffness: f64,
-        /// A guaranteed stable step [s] at the current state.
-        stable: f64,
+        stable: StableSteps,
         /// The state before a step that may be taken back; empty if none is.
         before: Box<State>,
     },
@@ -96,7 +93,10 @@ impl Simulation {
                 constant_step(&settings)
             }
             StepRule::Adaptive { tolerance } => {
-                let stable = guaranteed_stable_step(&model, &state);
+                let stable = StableStep {
+                    by_norms: guaranteed_stable_step(&model, &state),
+                    by_blocks: block_stable_step(&model, &state),
+                };
                 let rule = adaptive_step(scene, &model, tolerance);
                 rule.ideal_step(&state.step_memory, stable).fit(rule.frame_interval).0
             }
@@ -142,7 +142,7 @@ impl Simulation {
     fn at_frame(
         scene: &Scene,
         model: Model,
-        state: State,
+        mut state: State,
         mut integrator: Box<dyn Integrator>,
         frame_index: u64,
     ) -> Self {
@@ -154,15 +154,10 @@ impl Simulation {
                 Steps::Constant { step: constant_step(&settings), per_frame: steps_per_frame }
             }
             StepRule::Adaptive { tolerance } => {
-                let constant_stiffness = constant_stiffness(&model, &state);
-                let stable = integrator.eval_forces_and_stable_step(&model, &state, constant_stiffness);
                 let rule = adaptive_step(scene, &model, tolerance);
-                Steps::Adaptive {
-                    rule,
-                    constant_stiffness,
-                    stable,
-                    before: Box::new(State::at_rest(Points::default())),
-                }
+                let is_constant = rule.is_stiffness_constant;
+                let stable = StableSteps::begin(&mut *integrator, &model, &mut state, is_constant);
+                Steps::Adaptive { rule, stable, before: Box::new(State::at_rest(Points::default())) }
             }
         };
         integrator.velocities(&model, &state, &mut velocities);
@@ -221,7 +216,8 @@ impl Simulation {
                 for count in 1..=per_frame {
                     let passed = self.frame_index as f64 + count as f64 / per_frame as f64;
                     let time = passed / self.settings.frame_rate;
-                    self.integrator.step_to(&self.model, &mut self.state, step, time)?;
+                    let to = StepTo { step, time, is_measured: false };
+                    self.integrator.step_to(&self.model, &mut self.state, to)?;
                     show_step(observers, &self.model, &self.state);
                 }
             }
@@ -240,13 +236,14 @@ impl Simulation {
     /// Takes one adaptive step towards the time `end` [s] of a frame; whether it arrived.
     fn adaptive_step(&mut self, end: f64, observers: &mut [&mut dyn Observer]) -> Result<bool, StepError> {
         let Self { model, state, integrator, steps, .. } = self;
-        let Steps::Adaptive { rule, constant_stiffness, stable, before } = steps else { return Ok(true) };
+        let integrator = &mut **integrator;
+        let Steps::Adaptive { rule, stable, before } = steps else { return Ok(true) };
         let may_be_refused = !rule.is_stiffness_constant || rule.tolerance.is_some();
         if may_be_refused {
             before.copy_from(state);
         }
         let (start, last_step) = (state.time, state.last_step);
-        let mut ideal_step = rule.ideal_step(&state.step_memory, *stable);
+        let mut ideal_step = rule.ideal_step(&state.step_memory, stable.current());
         loop {
             let (step, is_last) = ideal_step.fit(end - start);
             // Written so that what is not a number stops the run.
@@ -254,42 +251,38 @@ impl Simulation {
                 return Err(StepError::TooShort { time: start, shortest: rule.shortest });
             }
             let time = if is_last { end } else { start + step };
-            let moved = if state.step_memory.is_due() {
-                integrator.move_and_measure(model, state, step, time).map(Some)
-            } else {
-                integrator.move_by(model, state, step, time).map(|()| None)
-            };
+            let to = StepTo { step, time, is_measured: state.step_memory.is_due() };
+            let stable_before = stable.current();
+            let (moved, mut stable_after) = stable.step_to(integrator, model, state, to, is_last);
             let is_finite = moved.is_ok();
             let motion = match moved {
-                Ok(motion) => motion,
+                Ok(motion) => to.is_measured.then_some(motion),
                 Err(_) if may_be_refused => None,
                 Err(error) => return Err(error),
             };
-            let stable_after = if rule.is_stiffness_constant {
-                integrator.eval_forces(model, state);
-                *stable
-            } else {
-                integrator.eval_forces_and_stable_step(model, state, *constant_stiffness)
-            };
+            if is_finite && !rule.accepts(step, stable_before, stable_after) {
+                // An estimate may be too careful.
+                stable_after = StableSteps::evaluated(integrator, model, state, stable_after);
+            }
             let is_tolerated = rule.tolerance.is_none() || {
                 let error = integrator.eval_error(model, before, state);
                 rule.tolerates(&mut state.step_memory, error, step)
             };
-            if is_finite && rule.accepts(step, *stable, stable_after) && is_tolerated {
+            if is_finite && rule.accepts(step, stable_before, stable_after) && is_tolerated {
                 rule.remember(
                     &mut state.step_memory,
                     (ideal_step, step),
                     motion,
                     last_step,
-                    [*stable, stable_after],
+                    [stable_before.by_norms, stable_after.by_norms],
                 );
-                *stable = stable_after;
+                stable.accept(stable_after);
                 show_step(observers, model, state);
                 return Ok(is_last);
             }
             let tolerated_step = state.step_memory.tolerated_step;
             state.copy_from(before);
-            integrator.eval_forces(model, state);
+            stable.return_to(integrator, model, state);
             let longest = if is_tolerated { step } else { tolerated_step };
             ideal_step = IdealStep::after_refusal(step, longest);
             for observer in observers.iter_mut() {
@@ -347,9 +340,7 @@ pub fn initial_step(scene: &Scene, model: &Model, state: &State) -> f64 {
         StepRule::Constant { .. } => constant_step(settings),
         StepRule::Adaptive { tolerance } => {
             let rule = adaptive_step(scene, model, tolerance);
-            IdealStep::dividing(rule.largest_step(guaranteed_stable_step(model, state)))
-                .fit(rule.frame_interval)
-                .0
+            IdealStep::dividing(rule.largest_step(block_stable_step(model, state))).fit(rule.frame_interval).0
         }
     }
 }

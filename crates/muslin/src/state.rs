@@ -37,6 +37,12 @@ pub struct StepMemory {
     pub(crate) span_steps: u32,
     /// Largest kinetic energy [J] so far.
     pub(crate) peak_kinetic_energy: f64,
+    /// Bound on the fastest frequency [rad/s] when it was evaluated last; none before the first time.
+    pub(crate) fastest: Option<f64>,
+    /// Steps since then.
+    pub(crate) fastest_age: u32,
+    /// Whether stiffness changed by much in any step of this span of steps, and of the span before.
+    pub(crate) is_unsteady: [bool; 2],
     /// What was measured in the latest step, if anything was.
     pub(crate) motion: Option<Motion>,
 }

@@ -10,19 +10,21 @@ use std::path::{Path, PathBuf};
 /// knows neither methods nor forces.
 const MAY_USE: [(&str, &[&str]); 10] = [
     ("points", &[]),
+    ("instructions", &[]),
     ("scene", &[]),
     ("state", &["points"]),
-    ("force", &["points", "scene", "model::Grid", "model::Particles"]),
+    ("force", &["points", "instructions", "scene", "model::Grid", "model::Particles"]),
     ("limit", &["points", "scene", "model::Grid", "model::Particles"]),
-    ("model", &["points", "scene", "state", "force", "limit"]),
-    ("integrate", &["points", "scene", "state", "force", "model"]),
+    ("model", &["points", "instructions", "scene", "state", "force", "limit"]),
+    ("integrate", &["points", "instructions", "scene", "state", "force", "model"]),
     ("observe", &["points", "scene", "state", "force", "model"]),
     ("write", &["points", "model", "observe", "force::Family"]),
     ("run", &["points", "scene", "state", "model", "integrate", "observe"]),
 ];
 
 /// What decides the bits of a run.
-const STEPPING: [&str; 8] = ["points", "state", "force", "limit", "model", "integrate", "observe", "run"];
+const STEPPING: [&str; 9] =
+    ["points", "instructions", "state", "force", "limit", "model", "integrate", "observe", "run"];
 
 /// A library that opens no files, reads no clock or environment and prints nothing.
 const NOT_IN_THE_LIBRARY: [&str; 8] =

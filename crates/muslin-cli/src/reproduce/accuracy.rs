@@ -43,6 +43,9 @@ struct Study {
     first: u64,
     /// How often the constant step is halved; the run that all are compared with has two halvings more.
     halvings: u32,
+    /// How many times fewer steps could be, were each of them the same share of the largest stable one at its time: the
+    /// largest of the fastest frequency over its mean.
+    ideal_ratio: f64,
     rows: Vec<Accuracy>,
 }
 
@@ -57,6 +60,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
             duration: extent.long_duration,
             first: 4,
             halvings: 6,
+            ideal_ratio: f64::NAN,
             rows: Vec::new(),
         },
         Study {
@@ -67,6 +71,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
             duration: extent.long_duration,
             first: 16,
             halvings: 5,
+            ideal_ratio: f64::NAN,
             rows: Vec::new(),
         },
         Study {
@@ -77,6 +82,7 @@ pub(crate) fn section(extent: &Extent, share: f64, progress: &Progress<'_>) -> R
             duration: extent.duration,
             first: 56,
             halvings: 3,
+            ideal_ratio: f64::NAN,
             rows: Vec::new(),
         },
     ];
@@ -126,7 +132,8 @@ impl Study {
             let trial = Trial::new(self.reading, self.side, self.duration, steps);
             Trial { work, ..trial }.keeping_positions().watching_stability()
         };
-        let converged = run(&trial(Steps::PerFrame(first << (self.halvings + 2))), progress)?;
+        let converged =
+            run(&trial(Steps::PerFrame(first << (self.halvings + 2))).watching_frequency(), progress)?;
         let safe = (1.0 / (FRAME_RATE * SAFE_SHARE * converged.stable_step)).ceil() as u64;
         let constant = (0..=self.halvings).map(|halving| (Kind::Constant, Steps::PerFrame(first << halving)));
         let tolerances =
@@ -138,6 +145,7 @@ impl Study {
             let outcome = run(&trial(steps), progress)?;
             rows.push(Accuracy { kind, error: outcome.distance_to(&converged), outcome });
         }
+        self.ideal_ratio = 2.0 / (converged.stable_step * converged.mean_frequency);
         self.rows = rows;
         Ok(())
     }
@@ -153,13 +161,17 @@ impl Study {
             return String::new();
         };
         let count = |row: &Accuracy| row.outcome.steps.accepted;
+        let measured = count(safe) as f64 / count(adaptive) as f64;
         format!(
-            "{}: {} steps of the largest safe constant size err by {}\u{a0}mm, {} adaptive ones by {}\u{a0}mm.",
+            "{}: {} steps of the largest safe constant size err by {}\u{a0}mm, {} adaptive ones by {}\u{a0}mm: {} times fewer, \
+             where steps in proportion to the largest stable one would be {} times fewer.",
             self.title(),
             count(safe),
             rounded(1e3 * safe.error, 2),
             count(adaptive),
-            rounded(1e3 * adaptive.error, 2)
+            rounded(1e3 * adaptive.error, 2),
+            rounded(measured, 2),
+            rounded(self.ideal_ratio, 2)
         )
     }
 

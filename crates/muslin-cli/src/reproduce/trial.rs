@@ -105,6 +105,8 @@ pub(crate) struct Trial {
     pub(crate) keeps_positions: bool,
     /// Whether the stability is watched along the way.
     pub(crate) watches_stability: bool,
+    /// Whether the mean of the fastest frequency is found, which costs much on a fine grid.
+    pub(crate) watches_frequency: bool,
 }
 
 /// How steps are chosen.
@@ -147,12 +149,18 @@ impl Trial {
             assignments,
             keeps_positions: false,
             watches_stability: false,
+            watches_frequency: false,
         }
     }
 
     /// The same run with the positions of its frames kept.
     pub(crate) fn keeping_positions(self) -> Self {
         Self { keeps_positions: true, ..self }
+    }
+
+    /// The same run with its fastest frequency watched.
+    pub(crate) fn watching_frequency(self) -> Self {
+        Self { watches_frequency: true, ..self }
     }
 
     /// The same run with its stability watched.
@@ -185,6 +193,8 @@ pub(crate) struct Outcome {
     pub(crate) stepping_seconds: f64,
     /// Largest stable step [s] in the stiffest state on the way, if it was watched.
     pub(crate) stable_step: f64,
+    /// Mean of the largest stable frequency 2/h [rad/s] over the run, if it was watched.
+    pub(crate) mean_frequency: f64,
     /// Why it ended early, if it did.
     pub(crate) failure: Option<String>,
 }
@@ -236,7 +246,7 @@ pub(crate) fn run(trial: &Trial, progress: &Progress<'_>) -> Result<Outcome, Cli
     let integrator = Box::new(TimedIntegrator::new(integrator, time.clone()));
     let mut simulation = Simulation::new(&scene, integrator).map_err(|error| crate::run::unstable(&error))?;
     let mut recorder = Recorder::default();
-    let mut watch = StabilityWatch::new(trial.watches_stability);
+    let mut watch = StabilityWatch::new(trial, scene.run().duration);
     let mut ticker = Ticker { progress, trial, duration: scene.run().duration };
     let mut positions = Vec::new();
     simulation.observe(&mut [&mut recorder]);
@@ -256,6 +266,7 @@ pub(crate) fn run(trial: &Trial, progress: &Progress<'_>) -> Result<Outcome, Cli
     progress.finished(trial);
     Ok(Outcome {
         stable_step: watch.stable_step(simulation.model()),
+        mean_frequency: watch.mean_frequency(),
         max_strain: recorder.max_strains()[0].unwrap_or(f64::NAN),
         steps: *recorder.steps(),
         frames: recorder.frames().to_vec(),
@@ -268,17 +279,42 @@ pub(crate) fn run(trial: &Trial, progress: &Progress<'_>) -> Result<Outcome, Cli
 /// Simulated time [s] between two looks at the stability.
 const WATCH_INTERVAL: f64 = 2e-3;
 
-/// Keeps the stiffest state of a run.
+/// How often in a run its fastest frequency is looked at for the mean.
+const FREQUENCY_SAMPLES: f64 = 60.0;
+
+/// Keeps the stiffest state of a run, and the mean of its fastest frequency.
 struct StabilityWatch {
     is_watching: bool,
+    is_sampling: bool,
+    sample_interval: f64,
+    next_sample: f64,
+    /// 2/h [rad/s] of the largest stable step h at evenly spaced times.
+    frequencies: Vec<f64>,
     next_time: f64,
     smallest: f64,
     stiffest: Option<State>,
 }
 
 impl StabilityWatch {
-    fn new(is_watching: bool) -> Self {
-        Self { is_watching, next_time: 0.0, smallest: f64::INFINITY, stiffest: None }
+    fn new(trial: &Trial, duration: f64) -> Self {
+        let (is_watching, is_sampling) = (trial.watches_stability, trial.watches_frequency);
+        let (sample_interval, frequencies) = (duration / FREQUENCY_SAMPLES, Vec::new());
+        let next_sample = 0.5 * sample_interval;
+        Self {
+            is_watching,
+            is_sampling,
+            sample_interval,
+            next_sample,
+            frequencies,
+            next_time: 0.0,
+            smallest: f64::INFINITY,
+            stiffest: None,
+        }
+    }
+
+    /// The mean of 2/h [rad/s]; not a number where there is none.
+    fn mean_frequency(&self) -> f64 {
+        self.frequencies.iter().sum::<f64>() / self.frequencies.len() as f64
     }
 
     /// The largest stable step [s] in the stiffest state.
@@ -289,6 +325,10 @@ impl StabilityWatch {
 
 impl Observer for StabilityWatch {
     fn step(&mut self, model: &Model, state: &State) {
+        if self.is_sampling && self.next_sample <= state.time {
+            self.next_sample += self.sample_interval;
+            self.frequencies.push(2.0 / largest_stable_step(model, state, &Workers::single()));
+        }
         if !self.is_watching || state.time < self.next_time {
             return;
         }

@@ -34,29 +34,26 @@ impl Operations {
     /// |---|---|---|
     /// | vector between its ends | 3 | |
     /// | its square | 2 | 3 |
-    /// | extension from the length | 1 | |
-    /// | tension | | 1 |
+    /// | coefficient of force, k − k L / ℓ, without 1 / ℓ | 1 | 1 |
     /// | force, coordinate by coordinate | | 3 |
-    /// | added to both ends | 6 | |
+    /// | added to both ends, where the weight is the first term | 6 | |
     const SPRING: Self = Self { additions: 12, multiplications: 7, divisions: 0, square_roots: 0, seeds: 0 };
 
-    /// Length and reciprocal from a seed y of 1/√s by one step of third order: with the error e = 1 − s y², the
-    /// reciprocal is y (1 + e (½ + ⅜ e)); the length is s times that, the coefficient the tension times it.
-    const BY_SEED: Self =
-        Self { additions: 3, multiplications: 5 + 2, divisions: 0, square_roots: 0, seeds: 1 };
+    /// Reciprocal length from a seed y of 1/√s by one step of third order: with the error e = 1 − s y², it is
+    /// y + y e (½ + ⅜ e).
+    const BY_SEED: Self = Self { additions: 3, multiplications: 5, divisions: 0, square_roots: 0, seeds: 1 };
 
-    /// Length by a square root, and the coefficient by a division by it.
+    /// Length by a square root, and its reciprocal by a division.
     const BY_ROOT: Self = Self { additions: 0, multiplications: 0, divisions: 1, square_roots: 1, seeds: 0 };
 
-    /// Motion of one particle: weight added to the force, velocity from velocity and force, position from velocity, three
-    /// coordinates each. The factors of velocity and force are the same for all particles of a cloth and do not count.
+    /// Motion of one particle: velocity from velocity and force, position from velocity, three coordinates each. The
+    /// factors of velocity and force are the same for all particles of a cloth and do not count.
     ///
     /// | | + − | × |
     /// |---|---|---|
-    /// | weight | 3 | |
     /// | velocity | 3 | 6 |
     /// | position | 3 | 3 |
-    const MOTION: Self = Self { additions: 9, multiplications: 9, divisions: 0, square_roots: 0, seeds: 0 };
+    const MOTION: Self = Self { additions: 6, multiplications: 9, divisions: 0, square_roots: 0, seeds: 0 };
 
     /// Springs per particle, each once: 2 structural, 2 shear, 2 bend. A grid's edges have fewer, but not many.
     const SPRINGS: usize = 6;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use muslin::integrate::{CentralDifference, Integrator, Workers};
+use muslin::integrate::{CentralDifference, Integrator, StepTo, Workers};
 use muslin::{Model, Scene, State};
 
 use super::clock::{Clock, Stopwatch};
@@ -11,20 +11,21 @@ use super::instruction_set::InstructionSet;
 
 /// Instruction sets that the library's step can use here.
 pub(crate) fn instruction_sets() -> Vec<InstructionSet> {
-    vec![InstructionSet::Baseline]
+    let has =
+        |set: &InstructionSet| muslin::InstructionSet::available().any(|other| other.name() == set.name());
+    InstructionSet::available().filter(has).collect()
 }
 
 /// The model of `scene` whose forces use `instructions`.
 pub(crate) fn model(scene: &Scene, instructions: InstructionSet) -> Model {
-    assert_eq!(instructions, InstructionSet::Baseline, "the only one");
-    Model::new(scene)
+    let same = muslin::InstructionSet::available().find(|set| set.name() == instructions.name());
+    Model::with_instructions(scene, same.unwrap_or_else(|| panic!("{} is not here", instructions.name())))
 }
 
 /// Moves `state` by `step` [s] under forces that are known, and finds those where it is then.
 fn advance(method: &mut CentralDifference, model: &Model, state: &mut State, step: f64) {
-    let time = state.time + step;
-    method.move_by(model, state, step, time).unwrap_or_else(|error| panic!("{error}"));
-    method.eval_forces(model, state);
+    let to = StepTo { step, time: state.time + step, is_measured: false };
+    method.step_to(model, state, to).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// A model, and what moves a state of it.

@@ -2,10 +2,13 @@
 
 use std::ops::Range;
 
+use super::grid_stiffness::AddTensors;
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::row_sweep::RowSweep;
 use super::spring::{Spring, SpringLength};
-use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums, Sweep};
+use super::{
+    Configuration, Family, Force, PotentialEnergies, SpringEnds, StiffnessTensorsMut, StrainSums, Sweep,
+};
 use crate::InstructionSet;
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
@@ -45,9 +48,9 @@ struct Neighbour {
 }
 
 /// The particles of one row that have a certain neighbour, and the row of these neighbours.
-struct RowPair {
-    own: Range<usize>,
-    other: Range<usize>,
+pub(super) struct RowPair {
+    pub(super) own: Range<usize>,
+    pub(super) other: Range<usize>,
 }
 
 impl GridSprings {
@@ -175,22 +178,29 @@ impl Neighbour {
 
 /// One row of springs from `own` to `other` particles; `offset` is the first particle of the arrays that are added to.
 #[derive(Clone, Copy)]
-struct SpringRow<'a> {
-    at: Configuration<'a>,
-    pair: &'a RowPair,
+pub(super) struct SpringRow<'a> {
+    pub(super) at: Configuration<'a>,
+    pub(super) pair: &'a RowPair,
     offset: usize,
     rest_length: f64,
     direction: ForceDirection,
 }
 
 impl SpringRow<'_> {
-    fn spring<L: TensionLaw>(&self, law: L) -> Spring<L> {
+    pub(super) fn spring<L: TensionLaw>(&self, law: L) -> Spring<L> {
         Spring { law, rest_length: self.rest_length, direction: self.direction }
     }
 
     /// Where the springs' own particles are in the arrays that are added to.
-    fn target(&self) -> Range<usize> {
+    pub(super) fn target(&self) -> Range<usize> {
         self.pair.own.start - self.offset..self.pair.own.end - self.offset
+    }
+
+    /// Positions of the particles `range`, coordinate by coordinate.
+    #[inline(always)]
+    pub(super) fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
+        let Points { x, y, z } = self.at.positions;
+        [x, y, z].map(|values| &values[range.clone()])
     }
 }
 
@@ -256,6 +266,15 @@ impl Force for GridSprings {
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         self.for_each_row(at, block, |family, row| family.law.visit(AddBounds { row, bounds }));
+    }
+
+    fn add_stiffness_tensors(
+        &self,
+        at: Configuration<'_>,
+        block: &Range<usize>,
+        tensors: &mut StiffnessTensorsMut<'_>,
+    ) {
+        self.for_each_row(at, block, |family, row| family.law.visit(AddTensors { row, tensors }));
     }
 
     fn add_forces_and_varying_bounds(

@@ -1,5 +1,6 @@
 //! The self-adaptive time step.
 
+use super::StableStep;
 use crate::state::{Motion, StepMemory};
 
 /// Share of the guaranteed stable step [1] that is taken where the stiffness can change.
@@ -37,6 +38,10 @@ const MEASURED_EVERY: u32 = 8;
 /// How far one step may depart from the one that stability asks for, so that steps before and after can balance [1].
 const BALANCE: f64 = 0.8;
 
+/// Share of the step that stability asks for [1] above which steps do not balance: steps that grow and shrink by turns shake
+/// the fastest modes, even if each of them is stable.
+const BALANCED_SHARE: f64 = 0.7;
+
 /// Growth and shrinkage of the step at once at most where a tolerance rules it [1].
 const TOLERANCE_CHANGE: [f64; 2] = [0.3, 1.5];
 
@@ -50,6 +55,9 @@ impl Default for StepMemory {
             energetic_shares: [0.0, INITIAL_SHARE],
             span_steps: SPAN_STEPS - INITIAL_STEPS,
             peak_kinetic_energy: 0.0,
+            fastest: None,
+            fastest_age: 0,
+            is_unsteady: [false; 2],
             motion: None,
         }
     }
@@ -60,6 +68,11 @@ impl StepMemory {
     pub(crate) fn is_due(&self) -> bool {
         let rules = 0.5 * ENERGY_ACCURACY < STABLE_SHARE * self.energetic_share();
         rules || self.span_steps % MEASURED_EVERY < 2
+    }
+
+    /// Whether stiffness changed by much a short while ago.
+    fn is_unsteady(&self) -> bool {
+        self.is_unsteady[0] || self.is_unsteady[1]
     }
 
     fn energetic_share(&self) -> f64 {
@@ -102,16 +115,18 @@ impl IdealStep {
 
 /// The rule for an adaptive step.
 ///
-/// With the fastest frequency ω at the present positions (at most, by the bound of
-/// [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)) it asks for
+/// With the fastest frequency ω at the present positions (at most, by the block bound that [`StableSteps`](super::StableSteps)
+/// follows) it asks for
 ///
 /// ```text
-/// H = min(0.8 (ω₀/ω)^¼ · 2/ω, 0.055 / ω_E, longest step that any force or drag allows)
+/// H = min(0.8 · 2/ω, 0.055 / ω_E, longest step that any force or drag allows)
 /// ```
 ///
-/// **Stability.** 2/ω is the limit of central differences. Where the bound cannot change (Hooke's law) the share is 0.95. Where
-/// springs stiffen it falls from 0.8, with ω₀ of the flat cloth: close to their asymptote their stiffness changes many times
-/// over a small part of their length, and a step that is merely stable would gain energy from each such impact.
+/// **Stability.** 2/ω is the limit of central differences. Where no spring can stiffen (Hooke's law) the share is 0.95.
+/// After a step in which stiffness changed by 15 % the share is 0.8 (ω₀/ω)^¼ for one to two spans of steps, with ω, and ω₀ of the
+/// flat cloth, by norms ([`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds)): close to the asymptote of
+/// its springs a cloth stiffens many times over a small part of their length, and a step that is merely stable would gain
+/// energy from each such impact.
 ///
 /// **Energy.** ω_E is the frequency at which kinetic energy turns into elastic, the Rayleigh quotient of the motion, taken
 /// with the largest kinetic energy T so far:
@@ -122,7 +137,7 @@ impl IdealStep {
 ///
 /// Central differences conserve a neighbouring energy, which differs from the true one by about (h ω_E)² / 6 of T. In a
 /// cloth ω_E is far below ω: the stiffest motion carries next to no energy, and this term rests. For a few masses on
-/// springs it is what makes the motion accurate. The rule remembers the largest ω_E / ω for more than a period, so that the step
+/// springs it is what makes the motion accurate. The rule remembers the largest ω_E / ω, by norms, for more than a period, so that the step
 /// follows ω through a swing and not the swing itself.
 ///
 /// **Balance.** A step chosen from the state before it alone, with nothing from the state after it, lets the energy drift,
@@ -134,9 +149,9 @@ impl IdealStep {
 /// ```
 ///
 /// which is the same in both directions. Where stability rules, motions near ω are not resolved anyway; steps that swing
-/// around H would only shake them.
+/// around H would only shake them: it balances up to 0.7 of what stability asks for.
 ///
-/// **Guard.** A step after which the fastest frequency has grown too much (2/ω < h / 0.95, or threefold) is taken back and
+/// **Guard.** A step after which the fastest frequency by norms has grown too much (threefold, or 2/ω < h / 0.95 by blocks) is taken back and
 /// tried again at half its length: a spring that stiffens without bound is met with ever shorter steps. So is one in which it
 /// has grown by 15 %, if it is longer than 0.4 · 2/ω; steps stay as short for a while. However much it has
 /// grown, a step that resolves it (h ω ≤ 0.055) stands: what begins without any stiffness or damping, and what a limit
@@ -160,7 +175,7 @@ pub struct AdaptiveStep {
     pub shortest: f64,
     /// Whether the bound on the fastest frequency is the same in all states.
     pub is_stiffness_constant: bool,
-    /// The guaranteed stable step [s] of the flat cloth.
+    /// The stable step [s] of the flat cloth by norms.
     pub flat_stable_step: f64,
     /// Kinetic energy [J] below which there is no motion but that of rounding.
     pub least_kinetic_energy: f64,
@@ -169,18 +184,24 @@ pub struct AdaptiveStep {
 }
 
 impl AdaptiveStep {
-    /// The step that the rule asks for after `memory`, where `stable_step` [s] is guaranteed to be stable.
+    /// The step that the rule asks for after `memory`, at a state with these stable steps.
     #[must_use]
-    pub fn ideal_step(&self, memory: &StepMemory, stable_step: f64) -> IdealStep {
-        let mut longest = self.largest_step(stable_step);
+    pub fn ideal_step(&self, memory: &StepMemory, stable: StableStep) -> IdealStep {
+        let mut longest = self.largest_step(stable.by_blocks);
+        if memory.is_unsteady() && !self.is_stiffness_constant {
+            longest = longest.min(self.unsteady_share(stable.by_norms) * stable.by_norms);
+        }
         if self.tolerance.is_some() && 0.0 < memory.tolerated_step {
             longest = longest.min(memory.tolerated_step);
         }
         if 0.0 < memory.rest_of_step && memory.rest_of_step <= longest {
             return IdealStep { whole: memory.ideal_step, rest: memory.rest_of_step, is_cut: true };
         }
-        let accurate = 0.5 * ENERGY_ACCURACY / memory.energetic_share() * stable_step;
-        if memory.ideal_step == 0.0 || longest < accurate || self.is_stiffness_constant {
+        let accurate = 0.5 * ENERGY_ACCURACY / memory.energetic_share() * stable.by_norms;
+        let is_balanced = accurate <= longest
+            && accurate <= BALANCED_SHARE * self.largest_step(stable.by_blocks)
+            && !self.is_stiffness_constant;
+        if memory.ideal_step == 0.0 || !is_balanced {
             return IdealStep::dividing(longest.min(accurate));
         }
         let balanced = 1.0 / (2.0 / accurate - 1.0 / memory.ideal_step);
@@ -193,35 +214,39 @@ impl AdaptiveStep {
         IdealStep { whole: step, rest: step, is_cut: true }
     }
 
-    /// The step [s] at which cloth moves once its energy is in slow motion, where `stable_step` [s] is guaranteed to be
-    /// stable.
+    /// The step [s] at which cloth moves once its energy is in slow motion, where `stable_step` [s] is stable by blocks.
     #[must_use]
     pub fn largest_step(&self, stable_step: f64) -> f64 {
-        let share = if self.is_stiffness_constant {
-            CONSTANT_STABLE_SHARE
-        } else if stable_step < self.flat_stable_step && self.flat_stable_step.is_finite() {
-            STABLE_SHARE * (stable_step / self.flat_stable_step).sqrt().sqrt()
-        } else {
-            STABLE_SHARE
-        };
+        let share = if self.is_stiffness_constant { CONSTANT_STABLE_SHARE } else { STABLE_SHARE };
         (share * stable_step).min(self.longest)
     }
 
-    /// Whether a step of `step` [s] may stand, between states with these guaranteed stable steps [s].
+    /// Share [1] of the stable step by norms that is taken for a while after stiffness changed by much.
+    fn unsteady_share(&self, by_norms: f64) -> f64 {
+        if by_norms < self.flat_stable_step && self.flat_stable_step.is_finite() {
+            STABLE_SHARE * (by_norms / self.flat_stable_step).sqrt().sqrt()
+        } else {
+            STABLE_SHARE
+        }
+    }
+
+    /// Whether a step of `step` [s] may stand, between states with these stable steps.
     #[must_use]
-    pub fn accepts(&self, step: f64, stable_before: f64, stable_after: f64) -> bool {
+    pub fn accepts(&self, step: f64, before: StableStep, after: StableStep) -> bool {
         // Written so that what is not a number is refused.
-        let is_steady = stable_before <= UNSTEADY_GROWTH * stable_after;
-        let share = if is_steady { REJECTED_SHARE } else { UNSTEADY_SHARE };
+        let has_grown_by_less = |growth: f64| before.by_norms <= growth * after.by_norms;
+        let is_steady = has_grown_by_less(UNSTEADY_GROWTH);
+        let largest =
+            if is_steady { REJECTED_SHARE * after.by_blocks } else { UNSTEADY_SHARE * after.by_norms };
         self.is_stiffness_constant
-            || (step <= share * stable_after && stable_before <= REJECTED_GROWTH * stable_after)
-            || step <= 0.5 * ENERGY_ACCURACY * stable_after
+            || (step <= largest && has_grown_by_less(REJECTED_GROWTH))
+            || step <= 0.5 * ENERGY_ACCURACY * after.by_norms
     }
 
     /// Takes note of an accepted step of `step` [s], which was to be `ideal_step`.
     ///
     /// `motion` is that of the step if it was measured, `last_step` [s] the step before it; `stable_before` and `stable_after`
-    /// [s] are guaranteed where it began and ended.
+    /// [s] are guaranteed by norms where it began and ended.
     pub fn remember(
         &self,
         memory: &mut StepMemory,
@@ -231,7 +256,7 @@ impl AdaptiveStep {
         [stable_before, stable_after]: [f64; 2],
     ) {
         let energy = memory.peak_kinetic_energy;
-        let mut share = 0.0;
+        let (mut share, mut is_unsteady) = (0.0, false);
         if let (Some(before), Some(motion)) = (memory.motion, motion)
             && self.least_kinetic_energy < energy
             && stable_before.is_finite()
@@ -243,16 +268,19 @@ impl AdaptiveStep {
         let has_changed = |from: f64, to: f64| UNSTEADY_GROWTH * to < from;
         if has_changed(stable_before, stable_after) || has_changed(stable_after, stable_before) {
             share = share.max(0.5 * ENERGY_ACCURACY / UNSTEADY_SHARE);
+            is_unsteady = true;
         }
         // The second part of a step is none of its own: a high frame rate must not shorten the memory.
         if ideal_step.rest == ideal_step.whole {
             if memory.span_steps == SPAN_STEPS {
                 memory.energetic_shares = [0.0, memory.energetic_shares[0]];
+                memory.is_unsteady = [false, memory.is_unsteady[0]];
                 memory.span_steps = 0;
             }
             memory.span_steps += 1;
         }
         memory.energetic_shares[0] = memory.energetic_shares[0].max(share);
+        memory.is_unsteady[0] |= is_unsteady;
         if let Some(motion) = motion {
             memory.peak_kinetic_energy = memory.peak_kinetic_energy.max(motion.kinetic_energy);
         }
@@ -282,6 +310,11 @@ impl AdaptiveStep {
 mod tests {
     use super::*;
 
+    /// A state of which both bounds are the same, as those of a lone mass on a spring are.
+    fn stable(step: f64) -> StableStep {
+        StableStep { by_norms: step, by_blocks: step }
+    }
+
     const RULE: AdaptiveStep = AdaptiveStep {
         frame_interval: 0.1,
         longest: f64::INFINITY,
@@ -310,43 +343,43 @@ mod tests {
     #[test]
     fn the_rule_is_reversible_where_it_is_not_clamped() {
         let memory = StepMemory { ideal_step: 2.8e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
-        let next = RULE.ideal_step(&memory, 0.01).whole;
+        let next = RULE.ideal_step(&memory, stable(0.01)).whole;
         let target = 0.5 * ENERGY_ACCURACY * 0.01;
         assert!((next - 1.0 / (2.0 / target - 1.0 / memory.ideal_step)).abs() < 1e-18, "{next}");
-        let back = RULE.ideal_step(&StepMemory { ideal_step: next, ..memory }, 0.01).whole;
+        let back = RULE.ideal_step(&StepMemory { ideal_step: next, ..memory }, stable(0.01)).whole;
         assert!((back - memory.ideal_step).abs() < 1e-18, "{back}");
     }
 
     #[test]
     fn a_step_that_ends_too_stiff_is_refused() {
-        assert!(RULE.accepts(1e-3, 1.2e-3, 1.1e-3));
-        assert!(!RULE.accepts(1e-3, 1.1e-3, 1.0e-3));
-        assert!(RULE.accepts(4e-4, 2e-3, 1.1e-3));
-        assert!(!RULE.accepts(5e-4, 2e-3, 1.1e-3));
-        assert!(!RULE.accepts(1e-4, 4e-3, 1.0e-3));
-        assert!(!RULE.accepts(1e-5, 4e-3, f64::NAN));
+        assert!(RULE.accepts(1e-3, stable(1.2e-3), stable(1.1e-3)));
+        assert!(!RULE.accepts(1e-3, stable(1.1e-3), stable(1.0e-3)));
+        assert!(RULE.accepts(4e-4, stable(2e-3), stable(1.1e-3)));
+        assert!(!RULE.accepts(5e-4, stable(2e-3), stable(1.1e-3)));
+        assert!(!RULE.accepts(1e-4, stable(4e-3), stable(1.0e-3)));
+        assert!(!RULE.accepts(1e-5, stable(4e-3), stable(f64::NAN)));
     }
 
     /// Growth that no shorter step would lessen is no reason to refuse a step that resolves what has grown.
     #[test]
     fn a_step_that_resolves_the_growth_stands() {
-        assert!(RULE.accepts(1e-5, 4e-3, 1.0e-3));
-        assert!(RULE.accepts(1e-5, f64::INFINITY, 1.0e-3));
-        assert!(!RULE.accepts(1e-4, f64::INFINITY, 1.0e-3));
-        assert!(RULE.accepts(1e-1, 1.0e-3, f64::INFINITY));
-        assert!(RULE.accepts(1e-1, f64::INFINITY, f64::INFINITY));
+        assert!(RULE.accepts(1e-5, stable(4e-3), stable(1.0e-3)));
+        assert!(RULE.accepts(1e-5, stable(f64::INFINITY), stable(1.0e-3)));
+        assert!(!RULE.accepts(1e-4, stable(f64::INFINITY), stable(1.0e-3)));
+        assert!(RULE.accepts(1e-1, stable(1.0e-3), stable(f64::INFINITY)));
+        assert!(RULE.accepts(1e-1, stable(f64::INFINITY), stable(f64::INFINITY)));
     }
 
     /// JSON, in which checkpoints are, has no infinity.
     #[test]
     fn memory_is_finite_where_nothing_is_stiff() {
         let mut memory = StepMemory::default();
-        let ideal = RULE.ideal_step(&memory, f64::INFINITY);
+        let ideal = RULE.ideal_step(&memory, stable(f64::INFINITY));
         assert_eq!(ideal.whole, f64::INFINITY);
         RULE.remember(&mut memory, (ideal, 0.1), Some(Motion::default()), 0.0, [f64::INFINITY; 2]);
         let text = serde_json::to_string(&memory).expect("JSON");
         assert_eq!(serde_json::from_str::<StepMemory>(&text).expect("what was written"), memory);
-        assert_eq!(RULE.ideal_step(&memory, f64::INFINITY).whole, f64::INFINITY);
+        assert_eq!(RULE.ideal_step(&memory, stable(f64::INFINITY)).whole, f64::INFINITY);
     }
 
     /// A step that a frame cuts in two goes on behind it, and counts once.
@@ -355,19 +388,19 @@ mod tests {
         let mut memory =
             StepMemory { ideal_step: 2.75e-4, energetic_shares: [1.0, 0.0], ..StepMemory::default() };
         let counted = memory.span_steps;
-        let whole = RULE.ideal_step(&memory, 0.01);
+        let whole = RULE.ideal_step(&memory, stable(0.01));
         assert!(whole.is_cut && whole.rest == whole.whole, "{whole:?}");
         let (first, arrives) = whole.fit(1e-4);
         assert_eq!((first, arrives), (1e-4, true));
         RULE.remember(&mut memory, (whole, first), Some(Motion::default()), 0.0, [0.01; 2]);
-        let rest = RULE.ideal_step(&memory, 0.01);
+        let rest = RULE.ideal_step(&memory, stable(0.01));
         assert_eq!(rest, IdealStep { whole: whole.whole, rest: whole.whole - 1e-4, is_cut: true });
         assert_eq!(rest.fit(0.1), (rest.rest, false));
         RULE.remember(&mut memory, (rest, rest.rest), Some(Motion::default()), 1e-4, [0.01; 2]);
         assert_eq!((memory.rest_of_step, memory.span_steps), (0.0, counted + 1));
         // Where the cloth has stiffened so that the rest is not stable, it is forgotten.
         memory.rest_of_step = 1e-4;
-        assert!(RULE.ideal_step(&memory, 1e-4).whole < 1e-5);
+        assert!(RULE.ideal_step(&memory, stable(1e-4)).whole < 1e-5);
     }
 
     /// A lone oscillator, of which the energy is all in its one and fastest mode, is resolved by 2π / 0.055 steps.
@@ -392,7 +425,7 @@ mod tests {
             );
         }
         assert!((memory.energetic_share() - 1.0).abs() < 2e-3, "{}", memory.energetic_share());
-        let ideal = RULE.ideal_step(&StepMemory { ideal_step: 0.0, ..memory }, 2.0 / omega).whole;
+        let ideal = RULE.ideal_step(&StepMemory { ideal_step: 0.0, ..memory }, stable(2.0 / omega)).whole;
         assert!((ideal * omega - ENERGY_ACCURACY).abs() < 1e-4, "{}", ideal * omega);
     }
 }

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::block_bound::BlockBound;
 use super::limits::Limiter;
 use super::pins::place_pins;
-use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
-use super::{Integrator, SplitArrays, StepError, Workers};
+use super::stability::{configuration, larger, largest_damping_rate, stable_step};
+use super::{Integrator, SplitArrays, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
@@ -44,10 +45,13 @@ pub struct CentralDifference {
     workers: Workers,
     /// One per thread.
     sweeps: Vec<Sweep>,
+    /// What came of moving each block.
+    moved: Vec<Moved>,
     forces: Points,
     /// Of the evaluation before, once errors are asked for.
     earlier_forces: Option<Points>,
     stiffness_bounds: Vec<f64>,
+    block_bound: BlockBound,
     limiter: Limiter,
     /// Velocities [m/s] at the state's time, for forces that depend on them.
     velocities: Points,
@@ -60,10 +64,12 @@ impl CentralDifference {
     pub fn new(workers: Workers) -> Self {
         Self {
             sweeps: (0..workers.count()).map(|_| Sweep::default()).collect(),
+            moved: Vec::new(),
             workers,
             forces: Points::default(),
             earlier_forces: None,
             stiffness_bounds: Vec::new(),
+            block_bound: BlockBound::default(),
             limiter: Limiter::default(),
             velocities: Points::default(),
             damping_bounds: Vec::new(),
@@ -164,31 +170,80 @@ impl CentralDifference {
 }
 
 impl CentralDifference {
-    /// Moves all particles and evaluates the forces that do not depend on velocities where they arrive, block after block,
-    /// so that what one half leaves in a core's caches the other finds there; whether all positions stay finite.
-    fn move_and_eval(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> bool {
-        let steps = Steps { last: state.last_step, next: step };
+    /// Adds the forces that depend on velocities; the stable step at `state`, where the `largest` rates [1/s²] of varying
+    /// stiffness are known.
+    fn finish_with_bounds(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+        [uncorrected, corrected]: [f64; 2],
+    ) -> StableStep {
+        let mut damping = 0.0;
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, configuration(model, state), state.last_step);
+            damping = self.largest_damping_rate(model, state);
+        }
+        StableStep {
+            by_norms: stable_step(constant_stiffness + uncorrected, damping),
+            by_blocks: stable_step(corrected, damping),
+        }
+    }
+
+    /// Whether nothing comes between motion and forces, and one thread does both.
+    fn can_take_one_pass(&self, model: &Model) -> bool {
+        self.workers.count() == 1
+            && model.limits().is_empty()
+            && model.moving_pins().is_empty()
+            && self.earlier_forces.is_none()
+            && !self.forces.is_empty()
+    }
+
+    /// Moves all particles and calls `eval` for the forces where they arrive, block after block, so that what one half
+    /// leaves in a core's caches the other finds there.
+    fn move_and_eval(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        to: StepTo,
+        mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
+    ) -> Result<Motion, StepError> {
+        let steps = Steps { last: state.last_step, next: to.step };
         let (particles, blocks) = (model.particles(), model.blocks());
-        let Self { forces, sweeps, .. } = self;
-        let Some(sweep) = sweeps.first_mut() else { return true };
-        state.time = time;
-        state.last_step = step;
+        let Self { forces, sweeps, moved, .. } = self;
+        let sweep = &mut sweeps[0];
+        (state.time, state.last_step) = (to.time, to.step);
         sweep.restart();
-        let mut is_finite = true;
+        moved.clear();
         // Forces look at neighbours in the next block at most.
         for next in 0..=blocks.len() {
             if let Some(block) = blocks.get(next) {
                 let positions = state.positions.slice_mut(block);
                 let velocities = state.velocities.slice_mut(block);
-                let task =
-                    MoveBlock { particles, steps, block, positions, velocities, forces, is_measured: false };
-                is_finite &= model.instructions().run(task).is_finite;
+                let is_measured = to.is_measured;
+                let task = MoveBlock { particles, steps, block, positions, velocities, forces, is_measured };
+                moved.push(model.instructions().run(task));
             }
             if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {
-                eval_block(model, configuration(model, state), block, forces.slice_mut(block), sweep);
+                eval(configuration(model, state), block, forces.slice_mut(block), sweep);
             }
         }
-        is_finite
+        match combined(moved) {
+            Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
+            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+        }
+    }
+}
+
+/// All motions together, by twos as [`Workers::for_blocks`] combines them.
+fn combined(moved: &[Moved]) -> Option<Moved> {
+    match moved {
+        [] => None,
+        [moved] => Some(*moved),
+        _ => {
+            let (first, second) = moved.split_at(moved.len() / 2);
+            combined(first).zip(combined(second)).map(|(first, second)| first.add(second))
+        }
     }
 }
 
@@ -224,14 +279,14 @@ fn eval_block(
     others.for_each(|force| force.add_forces(at, block, &mut forces, sweep));
 }
 
-/// The same, and the varying stiffness `bounds` [N/m]; the largest of bound / mass [1/s²].
+/// The same, and the varying stiffness `bounds` [N/m].
 fn eval_block_and_bounds(
     model: &Model,
     at: Configuration<'_>,
     block: &Range<usize>,
     (mut forces, bounds): (PointsMut<'_>, &mut [f64]),
     sweep: &mut Sweep,
-) -> f64 {
+) {
     bounds.fill(0.0);
     let mut is_set = false;
     for force in model.forces() {
@@ -252,25 +307,29 @@ fn eval_block_and_bounds(
     if !is_set {
         forces.fill(0.0);
     }
-    largest_rate(model.particles(), block, bounds)
 }
 
 /// Calls `work` with each of `blocks` and what belongs to it of `arrays`, in ascending order, after a restart of `sweep`;
-/// the largest result.
+/// the largest results.
 fn for_each_block<A: SplitArrays>(
     blocks: &[Range<usize>],
     mut arrays: A,
     sweep: &mut Sweep,
-    mut work: impl FnMut(&Range<usize>, A, &mut Sweep) -> f64,
-) -> f64 {
+    mut work: impl FnMut(&Range<usize>, A, &mut Sweep) -> [f64; 2],
+) -> [f64; 2] {
     sweep.restart();
-    let mut largest = 0.0;
+    let mut largest = [0.0; 2];
     for block in blocks {
         let (own, rest) = arrays.split_arrays(block.len());
-        largest = larger(largest, work(block, own, sweep));
+        largest = larger_rates(largest, work(block, own, sweep));
         arrays = rest;
     }
     largest
+}
+
+/// The larger ones of rates by norms and by blocks.
+fn larger_rates(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [larger(a[0], b[0]), larger(a[1], b[1])]
 }
 
 /// The sizes of the step that led here and of the next one [s].
@@ -301,7 +360,7 @@ impl Factors {
 }
 
 /// What came of moving some particles.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Moved {
     /// Whether all positions stay finite.
     is_finite: bool,
@@ -379,7 +438,7 @@ impl Integrator for CentralDifference {
         let eval_band = |blocks: &[Range<usize>], forces: PointsMut<'_>, sweep: &mut Sweep| {
             for_each_block(blocks, forces, sweep, |block, forces, sweep| {
                 eval_block(model, at, block, forces, sweep);
-                0.0
+                [0.0; 2]
             });
         };
         let sweeps = &mut self.sweeps;
@@ -389,44 +448,71 @@ impl Integrator for CentralDifference {
         }
     }
 
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64 {
+    fn eval_forces_and_stable_step(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep {
         self.next_forces(state.positions.len());
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
         let at = configuration(model, state);
+        let block_bound = &self.block_bound;
         let eval_band = |blocks: &[Range<usize>], arrays: (PointsMut<'_>, &mut [f64]), sweep: &mut Sweep| {
-            for_each_block(blocks, arrays, sweep, |block, arrays, sweep| {
-                eval_block_and_bounds(model, at, block, arrays, sweep)
+            for_each_block(blocks, arrays, sweep, |block, (forces, bounds), sweep| {
+                eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
+                block_bound.rates(at.particles, block, bounds)
             })
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
         let sweeps = &mut self.sweeps;
-        let largest = self.workers.for_bands(model.blocks(), arrays, sweeps, &eval_band, &larger);
-        let mut damping = 0.0;
-        if model.depends_on_velocity() {
-            self.add_velocity_forces(model, at, state.last_step);
-            damping = self.largest_damping_rate(model, state);
-        }
-        stable_step(constant_stiffness + largest.unwrap_or(0.0), damping)
+        let largest = self.workers.for_bands(model.blocks(), arrays, sweeps, &eval_band, &larger_rates);
+        self.finish_with_bounds(model, state, constant_stiffness, largest.unwrap_or_default())
     }
 
-    fn step_to(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
-        let is_one_pass = self.workers.count() == 1
-            && model.limits().is_empty()
-            && model.moving_pins().is_empty()
-            && self.earlier_forces.is_none();
-        if !is_one_pass {
-            self.move_by(model, state, step, time)?;
+    fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64 {
+        let stiffness = self.block_bound.eval(&self.workers, model, state, &self.stiffness_bounds);
+        let damping = if model.depends_on_velocity() { self.largest_damping_rate(model, state) } else { 0.0 };
+        stable_step(stiffness, damping)
+    }
+
+    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
+        if !self.can_take_one_pass(model) {
+            let motion = to.moved(self, model, state);
             self.eval_forces(model, state);
-            return Ok(());
+            return motion;
         }
-        let is_finite = self.move_and_eval(model, state, step, time);
-        if !is_finite {
-            return Err(not_finite(model.particles(), state));
-        }
+        let motion = self.move_and_eval(model, state, to, |at, block, forces, sweep| {
+            eval_block(model, at, block, forces, sweep);
+        });
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, configuration(model, state), state.last_step);
         }
-        Ok(())
+        motion
+    }
+
+    fn step_to_and_bound(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        to: StepTo,
+        constant_stiffness: f64,
+    ) -> (Result<Motion, StepError>, StableStep) {
+        if !self.can_take_one_pass(model) {
+            let motion = to.moved(self, model, state);
+            return (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness));
+        }
+        let mut bounds = std::mem::take(&mut self.stiffness_bounds);
+        bounds.resize(state.positions.len(), 0.0);
+        let block_bound = std::mem::take(&mut self.block_bound);
+        let mut largest = [0.0; 2];
+        let motion = self.move_and_eval(model, state, to, |at, block, forces, sweep| {
+            let bounds = &mut bounds[block.clone()];
+            eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
+            largest = larger_rates(largest, block_bound.rates(at.particles, block, bounds));
+        });
+        (self.stiffness_bounds, self.block_bound) = (bounds, block_bound);
+        (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {

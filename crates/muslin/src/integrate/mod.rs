@@ -1,18 +1,31 @@
 //! Methods that move a [`State`] forward in time.
 
 mod adaptive_step;
+mod block_bound;
 mod central_difference;
 mod limits;
 mod pins;
 mod stability;
+mod stable_steps;
 mod workers;
 
 pub use adaptive_step::{AdaptiveStep, IdealStep};
+pub use block_bound::block_stable_step;
 pub use central_difference::CentralDifference;
 pub use stability::{constant_stiffness, guaranteed_stable_step, largest_stable_step};
+pub use stable_steps::StableSteps;
 pub use workers::{SplitArrays, Workers};
 
 use crate::{Model, Motion, Points, State};
+
+/// Steps [s] that are stable at one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StableStep {
+    /// For certain, by the norms of stiffness: the [`guaranteed_stable_step`], or somewhat less.
+    pub by_norms: f64,
+    /// By the directions of stiffness: the [`block_stable_step`], or an estimate of it.
+    pub by_blocks: f64,
+}
 
 /// A method of numerical integration.
 ///
@@ -25,12 +38,21 @@ pub trait Integrator: Send {
     /// Evaluates the forces at `state`.
     fn eval_forces(&mut self, model: &Model, state: &State);
 
-    /// [`eval_forces`](Self::eval_forces), with the same bits, and a step [s] at `state` that is stable for certain, given the
+    /// [`eval_forces`](Self::eval_forces), with the same bits, and stable steps at `state`, given the
     /// [`constant_stiffness`] [1/s²] of the model.
     ///
-    /// It is the [`guaranteed_stable_step`] or somewhat less: where the stiffest part of the cloth has to do with
-    /// springs that stiffen, and where with others, is not looked at.
-    fn eval_forces_and_stable_step(&mut self, model: &Model, state: &State, constant_stiffness: f64) -> f64;
+    /// The one by norms is the [`guaranteed_stable_step`] or somewhat less: where the stiffest part of the cloth has to do with
+    /// springs that stiffen, and where with others, is not looked at. The one by blocks is an estimate: what
+    /// [`eval_stable_step`](Self::eval_stable_step) found last, corrected by how the norms have changed since.
+    fn eval_forces_and_stable_step(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep;
+
+    /// The [`block_stable_step`] [s] at `state`, where forces were evaluated last, from which later estimates start.
+    fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64;
 
     /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
     /// but for rounding.
@@ -38,17 +60,6 @@ pub trait Integrator: Send {
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is no longer a finite number; `state` then holds it.
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError>;
-
-    /// [`move_by`](Self::move_by) and then [`eval_forces`](Self::eval_forces), with the same bits; a method may do both in
-    /// one pass over the particles.
-    ///
-    /// # Errors
-    /// As [`move_by`](Self::move_by); there are then no forces.
-    fn step_to(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
-        self.move_by(model, state, step, time)?;
-        self.eval_forces(model, state);
-        Ok(())
-    }
 
     /// [`move_by`](Self::move_by), with the same bits, and the energies of the motion.
     ///
@@ -61,6 +72,31 @@ pub trait Integrator: Send {
         step: f64,
         time: f64,
     ) -> Result<Motion, StepError>;
+
+    /// Moves `state` as [`move_by`](Self::move_by) does, or if `is_measured` as [`move_and_measure`](Self::move_and_measure),
+    /// and then [evaluates the forces](Self::eval_forces), with the same bits; a method may do both in one pass over the
+    /// particles. What is not measured is zero.
+    ///
+    /// # Errors
+    /// As [`move_by`](Self::move_by).
+    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
+        let motion = to.moved(self, model, state);
+        self.eval_forces(model, state);
+        motion
+    }
+
+    /// [`step_to`](Self::step_to) and the stable step at its end, as
+    /// [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) has it.
+    fn step_to_and_bound(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        to: StepTo,
+        constant_stiffness: f64,
+    ) -> (Result<Motion, StepError>, StableStep) {
+        let motion = to.moved(self, model, state);
+        (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness))
+    }
 
     /// Estimates the error [m] that the step from `before` to `after` added to any position, from forces that are evaluated
     /// at both; those at `after` are left behind.
@@ -87,6 +123,34 @@ pub trait Integrator: Send {
     fn eval_velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
         self.eval_forces(model, state);
         self.velocities(model, state, velocities);
+    }
+}
+
+/// Where a step leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepTo {
+    /// Its size [s], positive.
+    pub step: f64,
+    /// Simulated time [s] at its end, which is that at its beginning and the step but for rounding.
+    pub time: f64,
+    /// Whether the energies of the motion are asked for.
+    pub is_measured: bool,
+}
+
+impl StepTo {
+    /// Moves `state` by the step.
+    fn moved(
+        self,
+        integrator: &mut (impl Integrator + ?Sized),
+        model: &Model,
+        state: &mut State,
+    ) -> Result<Motion, StepError> {
+        let Self { step, time, is_measured } = self;
+        if is_measured {
+            integrator.move_and_measure(model, state, step, time)
+        } else {
+            integrator.move_by(model, state, step, time).map(|()| Motion::default())
+        }
     }
 }
 

@@ -11,7 +11,7 @@
 
 use std::sync::LazyLock;
 
-use muslin::integrate::Workers;
+use muslin::integrate::{Workers, largest_stable_step};
 use muslin::observe::{Observer, Recorder, relative_residual};
 use muslin::{Model, Points, Simulation, State};
 
@@ -214,7 +214,7 @@ fn constant(law: &'static str, steps_per_frame: u32) -> Run {
 
 /// The cloth stiffens for a moment only, when it swings through. A constant step that keeps to the bound on stability at
 /// that moment is the adaptive one's smallest; the adaptive run takes half as many steps. One that survives without
-/// keeping to it exists, too: 10 per frame, against 7.6 of the adaptive run.
+/// keeping to it exists, too: 10 per frame, against 6.5 of the adaptive run.
 #[test]
 fn a_cloth_that_stiffens_for_a_moment_saves_steps() {
     let adaptive = Run::of(&hanging(TANGENT, StepNumbers::Adaptive));
@@ -241,14 +241,54 @@ fn a_cloth_that_stiffens_for_a_moment_saves_steps() {
 fn the_step_of_a_linear_cloth_is_constant() {
     let adaptive = Run::of(&hanging(LINEAR, StepNumbers::Adaptive));
     assert_eq!(adaptive.recorder.steps().rejected, 0);
-    // 0.95 of 3.06 ms, six in a frame.
-    let constant_step = 1.0 / 360.0;
+    // 0.95 of 4.7 ms at least, four in a frame.
+    let constant_step = 1.0 / 240.0;
     for step in &adaptive.steps[40..] {
         assert!((step / constant_step - 1.0).abs() < 1e-12, "{step:e} s");
     }
-    assert!(adaptive.steps.len() <= 180 * 6 + 25, "{} steps", adaptive.steps.len());
-    assert!(adaptive.residual() < 1e-4, "{}", adaptive.residual());
+    assert!(adaptive.steps.len() <= 180 * 4 + 25, "{} steps", adaptive.steps.len());
+    assert!(adaptive.residual() < 2e-4, "{}", adaptive.residual());
     assert!((adaptive.recorder.max_strains()[0].unwrap() - 0.2331).abs() < 2e-4);
+}
+
+/// The largest ratio of a step to the largest stable one where it begins, of every third step, and how many steps of nine
+/// tenths of the smallest of these the run would have taken.
+fn taken_share(numbers: &SceneNumbers) -> (f64, f64) {
+    let mut simulation = numbers.simulation();
+    let (mut count, mut share, mut smallest, mut largest) = (0, 0.0, f64::INFINITY, None);
+    let mut each = EachStep(|model: &Model, state: &State| {
+        share = largest.take().map_or(share, |largest: f64| larger(share, state.last_step / largest));
+        count += 1;
+        if count % 3 == 0 {
+            let step = largest_stable_step(model, state, &Workers::single());
+            (largest, smallest) = (Some(step), step.min(smallest));
+        }
+    });
+    while !simulation.is_finished() {
+        simulation.advance(&mut [&mut each]).unwrap_or_else(|error| panic!("{error}"));
+    }
+    (share, numbers.frame_intervals as f64 * (1.0 / (numbers.frame_rate * 0.9 * smallest)).ceil())
+}
+
+/// Between evaluations the bound is an estimate: the steps keep to the share that is to be taken all the same, also where
+/// springs stiffen, turn and lose their tension within a few steps. Where nothing stiffens they are hardly more than those of
+/// the largest constant step that is safe.
+#[test]
+fn steps_keep_to_their_share_of_the_largest_stable_one() {
+    let mut dropped = hanging(TANGENT, StepNumbers::Adaptive);
+    dropped.gravity = [0.0, -50.0, 0.0];
+    dropped.cloths[0].drag = 0.0;
+    dropped.frame_intervals = 30;
+    let tangent = [hanging(TANGENT, StepNumbers::Adaptive), flag(TANGENT, StepNumbers::Adaptive), dropped];
+    for numbers in tangent {
+        let (share, _) = taken_share(&numbers);
+        assert!(share <= 0.8, "{share}");
+    }
+    let linear = hanging(LINEAR, StepNumbers::Adaptive);
+    let (share, safe) = taken_share(&linear);
+    assert!(share <= 0.95, "{share}");
+    let count = Run::of(&linear).steps.len() as f64;
+    assert!(count <= 1.05 * safe, "{count} steps for {safe}");
 }
 
 /// Largest error of a frame relative to the tolerance, of every fourth frame, and number of steps.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use muslin::integrate::{
-    CentralDifference, Integrator, Workers, guaranteed_stable_step, largest_stable_step,
+    CentralDifference, Integrator, Workers, block_stable_step, guaranteed_stable_step, largest_stable_step,
 };
 use muslin::{Model, Points, State};
 
@@ -68,6 +68,7 @@ fn nothing_stiff_is_always_stable() {
         let (model, state) = model_and_state(&numbers);
         assert_eq!(largest_stable_step(&model, &state, &Workers::single()), f64::INFINITY);
         assert_eq!(guaranteed_stable_step(&model, &state), f64::INFINITY);
+        assert_eq!(block_stable_step(&model, &state), f64::INFINITY);
     }
 }
 
@@ -133,6 +134,39 @@ fn step_of_a_large_grid() {
         let exact = (MASS / STIFFNESS).sqrt() / (std::f64::consts::PI / (2.0 * count as f64)).cos();
         assert!((-1e-13..1e-3).contains(&(found / exact - 1.0)), "{found} s for {exact} s");
     }
+}
+
+/// A flat square grid without bend springs: neighbours that move against each other along the grid have ω² = 4 (k + k_s) / m
+/// in the inside, which is the block bound; a free edge makes the fastest mode slower by O(1/n²).
+#[test]
+fn block_bound_of_a_flat_square_grid_is_exact() {
+    for shear in [0.0, 0.3 * STIFFNESS] {
+        let cloth = ClothNumbers {
+            columns: 100,
+            rows: 100,
+            pins: vec![],
+            mass: MASS,
+            stiffnesses: [STIFFNESS, shear, 0.0],
+            ..ClothNumbers::default()
+        };
+        let (model, state) =
+            model_and_state(&SceneNumbers { cloths: vec![cloth], ..SceneNumbers::default() });
+        let exact = (MASS / (STIFFNESS + shear)).sqrt();
+        let by_blocks = block_stable_step(&model, &state);
+        assert!((-2e-6..=0.0).contains(&(by_blocks / exact - 1.0)), "{by_blocks} s for {exact} s");
+        let largest = largest_stable_step(&model, &state, &Workers::single());
+        assert!((0.0..2e-3).contains(&(largest / by_blocks - 1.0)), "{by_blocks} s for {largest} s");
+    }
+}
+
+/// Two free masses at one place: their spring may pull in any direction, and ω² = 2 k / m counts in all.
+#[test]
+fn block_bound_of_coincident_ends_is_that_of_any_direction() {
+    let (model, mut state) = model_and_state(&chain(2, &[]));
+    state.positions = Points::zeros(2);
+    let exact = 2.0 * (0.5 * MASS / STIFFNESS).sqrt();
+    let by_blocks = block_stable_step(&model, &state);
+    assert!((-2e-6..=0.0).contains(&(by_blocks / exact - 1.0)), "{by_blocks} s for {exact} s");
 }
 
 /// The largest distance [m] of any particle from where it started, over 2000 steps of `share` of the largest stable

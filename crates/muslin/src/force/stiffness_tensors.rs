@@ -1,0 +1,154 @@
+//! The stiffness that each particle feels, direction by direction.
+
+use crate::{Points, PointsMut};
+
+/// Part of a tensor's eigenvalue [1] that is added to it, so that rounding never makes it too small: r below has errors of
+/// about 1e-15, and where two eigenvalues meet s has the root of that.
+const ROUNDING: f64 = 1e-6;
+
+/// Anisotropy p / m [1] below which the invariants of a tensor are rounding.
+const LEAST_ANISOTROPY: f64 = 1e-12;
+
+/// Coefficients of a polynomial in s that is up to 2e-7 from cos(⅔ arccos s), for 0 ≤ s ≤ 1.
+const COSINE: [f64; 7] = [
+    0.500_000_163_201,
+    0.577_333_460_045,
+    -0.110_823_040_238,
+    0.051_547_910_136,
+    -0.026_538_217_927,
+    0.010_623_049_589,
+    -0.002_143_448_159,
+];
+
+/// Symmetric 3 x 3 tensors [N/m], one per particle, as a structure of arrays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StiffnessTensors {
+    /// Entries xx, yy and zz.
+    pub diagonal: Points,
+    /// Entries yz, xz and xy.
+    pub off_diagonal: Points,
+}
+
+impl StiffnessTensors {
+    /// `count` tensors without stiffness.
+    #[must_use]
+    pub fn zeros(count: usize) -> Self {
+        Self { diagonal: Points::zeros(count), off_diagonal: Points::zeros(count) }
+    }
+
+    /// Exclusive access to all tensors.
+    pub fn as_mut(&mut self) -> StiffnessTensorsMut<'_> {
+        StiffnessTensorsMut { diagonal: self.diagonal.as_mut(), off_diagonal: self.off_diagonal.as_mut() }
+    }
+}
+
+/// Exclusive access to the [`StiffnessTensors`] of consecutive particles.
+#[derive(Debug, Default)]
+pub struct StiffnessTensorsMut<'a> {
+    /// Entries xx, yy and zz.
+    pub diagonal: PointsMut<'a>,
+    /// Entries yz, xz and xy.
+    pub off_diagonal: PointsMut<'a>,
+}
+
+impl StiffnessTensorsMut<'_> {
+    /// Makes every entry zero.
+    pub fn clear(&mut self) {
+        self.diagonal.fill(0.0);
+        self.off_diagonal.fill(0.0);
+    }
+
+    /// At least the largest eigenvalue [N/m] of tensor `index`, by at most 2e-6 of it more; NaN if an entry is.
+    ///
+    /// With the mean eigenvalue m = ⅓ tr A, B = A − m and p² = ⅙ tr B², the eigenvalues are m + 2p cos φ where
+    ///
+    /// ```text
+    /// cos 3φ = r = ½ det(B / p)    cos φ = cos(⅓ arccos r) = cos(⅔ arccos s)    s = √(½ (1 + r))
+    /// ```
+    ///
+    /// The last is smooth in s, even where two eigenvalues meet, as they do in a flat cloth (s = 0): a polynomial is faster
+    /// than two functions. Negative eigenvalues must be smaller in size than the largest one.
+    #[must_use]
+    pub fn largest_eigenvalue(&self, index: usize) -> f64 {
+        let [xx, yy, zz] = [self.diagonal.x[index], self.diagonal.y[index], self.diagonal.z[index]];
+        let mean = (xx + yy + zz) / 3.0;
+        let scale = if mean == 0.0 { 0.0 } else { 1.0 / mean };
+        let [a, b, c] = [(xx - mean) * scale, (yy - mean) * scale, (zz - mean) * scale];
+        let [d, e, f] = [&self.off_diagonal.x, &self.off_diagonal.y, &self.off_diagonal.z]
+            .map(|values| values[index] * scale);
+        let squares = a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f);
+        let p = (squares / 6.0).sqrt();
+        // Written so that what is not a number goes on.
+        let cosine = if p < LEAST_ANISOTROPY {
+            1.0
+        } else {
+            let determinant = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
+            let r = determinant / (2.0 * p * p * p);
+            let s = (0.5 * (1.0 + r).clamp(0.0, 2.0)).sqrt();
+            COSINE.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
+        };
+        mean * (1.0 + 2.0 * p * cosine) * (1.0 + ROUNDING)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+
+    /// Of the tensor with these `eigenvalues`, turned about no axis of symmetry.
+    fn largest(eigenvalues: [f64; 3]) -> f64 {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 0.7);
+        let tensor = turn * DMat3::from_diagonal(eigenvalues.into()) * turn.transpose();
+        let [x, y, z] = tensor.to_cols_array_2d();
+        of_entries([x[0], y[1], z[2]], [y[2], x[2], x[1]])
+    }
+
+    fn of_entries(diagonal: [f64; 3], off_diagonal: [f64; 3]) -> f64 {
+        let mut tensors = StiffnessTensors {
+            diagonal: [DVec3::from(diagonal)].into_iter().collect(),
+            off_diagonal: [DVec3::from(off_diagonal)].into_iter().collect(),
+        };
+        tensors.as_mut().largest_eigenvalue(0)
+    }
+
+    /// From no stiffness in two directions to the same in all, with pairs that are equal, or nearly so.
+    #[test]
+    fn eigenvalue_is_not_below_the_largest_and_hardly_above() {
+        let shares = [0.0, 1e-12, 1e-6, 0.1, 1.0 / 3.0, 0.5, 0.9, 1.0 - 1e-5, 1.0 - 1e-9, 1.0 - 1e-14, 1.0];
+        for scale in [1e-25, 1.0, 3e28] {
+            for second in shares {
+                for third in shares {
+                    let eigenvalues = [scale * third, scale, scale * second];
+                    let excess = largest(eigenvalues) / scale - 1.0;
+                    assert!((0.0..2e-6).contains(&excess), "{excess:e} at {eigenvalues:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn polynomial_is_the_cosine() {
+        for i in 0..=10_000 {
+            let s = f64::from(i) / 10_000.0;
+            let found = COSINE.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient);
+            let error = found - libm::cos(libm::acos(s) * 2.0 / 3.0);
+            assert!(error.abs() < 2e-7, "{error:e} at {s}");
+        }
+    }
+
+    #[test]
+    fn no_stiffness_is_zero_and_no_number_stays_none() {
+        assert_eq!(of_entries([0.0; 3], [0.0; 3]), 0.0);
+        for place in 0..6 {
+            for value in [f64::NAN, f64::INFINITY] {
+                let mut entries = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
+                entries[place] = value;
+                let [a, b, c, d, e, f] = entries;
+                let found = of_entries([a, b, c], [d, e, f]);
+                assert!(!found.is_finite(), "{found} from {entries:?}");
+            }
+        }
+    }
+}

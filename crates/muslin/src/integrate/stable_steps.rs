@@ -1,0 +1,121 @@
+//! The stable step along a run, whose costlier bound is not evaluated in every step.
+
+use super::{Integrator, StableStep, StepError, StepTo, constant_stiffness};
+use crate::{Model, Motion, State};
+
+/// Steps from one evaluation of the block bound to the next.
+const EVALUATED_EVERY: u32 = 16;
+
+/// Growth of the stable step [1] from which on it is worth an evaluation ahead of time.
+const EARLY_GROWTH: f64 = 1.1;
+
+/// The stable step of an adaptive run.
+///
+/// The block bound ω² ≤ max λ_i of [`Force::add_stiffness_tensors`](crate::force::Force::add_stiffness_tensors) costs about as
+/// much as a few steps. It is evaluated at the start, every 16 steps, after a refusal and where a step would have to be refused
+/// without. In between, bound_i of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds) follows each
+/// stiffening at once:
+///
+/// ```text
+/// m_i λ_i(t) ≈ λ_max(t₀) + (bound_i(t) − bound_i(t₀))        and at least max λ_i(t₀) over all i
+/// ```
+///
+/// That is a bound as long as springs only stiffen along their length, since λ_max(A + B) ≤ λ_max(A) + ‖B‖. Three things it
+/// does not see, for up to 16 steps: springs that turn, which by a small angle θ changes λ_i by at most Σ w |k_a − c| sin θ;
+/// stiffness across springs that grows with their tension; springs that soften beside others that stiffen. The last is why it may
+/// not fall between evaluations; where it would by much, the bound is evaluated ahead of time. What is left is for the share
+/// of the stable step that is not taken.
+///
+/// Where a bound varies with the state, it is also evaluated at every frame: a run can then go on from any of them with the
+/// same bits, without the λ_i. Where none does, what is remembered is one number, and the step memory holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct StableSteps {
+    /// Whether the bounds of forces are the same in all states; then so is the step by norms.
+    is_stiffness_constant: bool,
+    /// Stiffness [1/s²] that is the same in all states.
+    constant_stiffness: f64,
+    current: StableStep,
+}
+
+impl StableSteps {
+    /// At `state`, where a run begins or goes on; leaves forces evaluated there.
+    pub fn begin(
+        integrator: &mut dyn Integrator,
+        model: &Model,
+        state: &mut State,
+        is_stiffness_constant: bool,
+    ) -> Self {
+        let constant_stiffness = constant_stiffness(model, state);
+        let current = integrator.eval_forces_and_stable_step(model, state, constant_stiffness);
+        let mut steps = Self { is_stiffness_constant, constant_stiffness, current };
+        match state.step_memory.fastest {
+            Some(fastest) if is_stiffness_constant => steps.current.by_blocks = 2.0 / fastest,
+            _ => steps.current = Self::evaluated(integrator, model, state, current),
+        }
+        steps
+    }
+
+    /// At the beginning of the step to come.
+    #[must_use]
+    pub fn current(&self) -> StableStep {
+        self.current
+    }
+
+    /// Moves `state` to the end of a step that may be refused yet, and evaluates forces there; the motion, and the stable
+    /// step there. `is_frame` if it is a frame's.
+    pub fn step_to(
+        &self,
+        integrator: &mut dyn Integrator,
+        model: &Model,
+        state: &mut State,
+        to: StepTo,
+        is_frame: bool,
+    ) -> (Result<Motion, StepError>, StableStep) {
+        let (motion, mut next) = if self.is_stiffness_constant {
+            (integrator.step_to(model, state, to), self.current)
+        } else {
+            integrator.step_to_and_bound(model, state, to, self.constant_stiffness)
+        };
+        let memory = &mut state.step_memory;
+        memory.fastest_age = memory.fastest_age.saturating_add(1);
+        let evaluated = 2.0 / memory.fastest.unwrap_or(f64::INFINITY);
+        let is_due = EVALUATED_EVERY <= memory.fastest_age
+            || (!self.is_stiffness_constant && (is_frame || EARLY_GROWTH * evaluated < next.by_blocks));
+        if is_due {
+            return (motion, Self::evaluated(integrator, model, state, next));
+        }
+        // Written so that what is not a number stays.
+        if evaluated < next.by_blocks {
+            next.by_blocks = evaluated;
+        }
+        (motion, next)
+    }
+
+    /// `step` at `state`, where forces were evaluated last, with the block bound evaluated.
+    pub fn evaluated(
+        integrator: &mut dyn Integrator,
+        model: &Model,
+        state: &mut State,
+        step: StableStep,
+    ) -> StableStep {
+        let by_blocks = integrator.eval_stable_step(model, state);
+        state.step_memory.fastest = Some(2.0 / by_blocks);
+        state.step_memory.fastest_age = 0;
+        StableStep { by_blocks, ..step }
+    }
+
+    /// Takes the step that ended with `next` as accepted.
+    pub fn accept(&mut self, next: StableStep) {
+        self.current = next;
+    }
+
+    /// Evaluates forces at `state` after a step from there was refused.
+    pub fn return_to(&mut self, integrator: &mut dyn Integrator, model: &Model, state: &mut State) {
+        if self.is_stiffness_constant {
+            integrator.eval_forces(model, state);
+        } else {
+            let step = integrator.eval_forces_and_stable_step(model, state, self.constant_stiffness);
+            self.current = Self::evaluated(integrator, model, state, step);
+        }
+    }
+}
