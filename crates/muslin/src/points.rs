@@ -173,10 +173,16 @@ impl<'a> PointsMut<'a> {
 #[inline(always)]
 pub(crate) fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
     let mut lanes = [0.0; 8];
-    for (chunk_index, chunk) in values.chunks(8).enumerate() {
-        for (lane, (offset, &value)) in lanes.iter_mut().zip(chunk.iter().enumerate()) {
-            *lane += term(8 * chunk_index + offset, value);
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for (chunk_index, chunk) in chunks.enumerate() {
+        for lane in 0..8 {
+            lanes[lane] += term(8 * chunk_index + lane, chunk[lane]);
         }
+    }
+    let done = values.len() - rest.len();
+    for (lane, (offset, &value)) in lanes.iter_mut().zip(rest.iter().enumerate()) {
+        *lane += term(done + offset, value);
     }
     lanes.iter().sum()
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Scene, model, force, integrate and observe are the data flow. A model builds its forces and limits, and these know what they act
 /// on: of the model its grids and particles, nothing else. Nothing knows the run but the commands, and what writes files
 /// knows neither methods nor forces.
-const MAY_USE: [(&str, &[&str]); 10] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("points", &[]),
     ("instructions", &[]),
     ("scene", &[]),

@@ -252,7 +252,7 @@ fn forces_in_motion(model: &Model, positions: &Points, velocities: &Points) -> P
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
         model.forces().iter().for_each(|force| {
-            force.add_forces(at(model, positions, velocities), block, &mut own, &mut Sweep::default())
+            force.add_forces(at(model, positions, velocities), block, &mut own, &mut Sweep::default());
         });
         rest = others;
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::grid_stiffness::AddTensors;
+use super::grid_strains::{self, RaiseMaxStrains};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::row_sweep::RowSweep;
 use super::spring::{Spring, SpringLength};
@@ -13,9 +14,6 @@ use crate::InstructionSet;
 use crate::model::Grid;
 use crate::scene::{ForceDirection, SpringsFabric};
 use crate::{Points, PointsMut};
-
-/// Partial results that loops over springs keep side by side, so that the compiler can use vector registers.
-const LANES: usize = 8;
 
 /// The structural, shear and bend springs of one grid.
 ///
@@ -80,7 +78,8 @@ impl GridSprings {
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
-    fn for_each_spring_row(&self, mut visit: impl FnMut(&GridFamily, RowPair, f64)) {
+    #[inline(always)]
+    pub(super) fn for_each_spring_row(&self, mut visit: impl FnMut(&GridFamily, RowPair, f64)) {
         for family in &self.families {
             for row in 0..self.grid.rows {
                 for neighbour in family.neighbours.iter().filter(|neighbour| neighbour.is_ahead()) {
@@ -230,28 +229,6 @@ pub(super) fn columns(is_neighbour_pinned: bool) -> f64 {
     if is_neighbour_pinned { 1.0 } else { 2.0 }
 }
 
-/// The largest squared length [m²] of the springs between `own` and `other` particles.
-fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
-    let count = pair.own.len();
-    let [x, y, z] =
-        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.own.clone()][..count]);
-    let [other_x, other_y, other_z] =
-        [&positions.x, &positions.y, &positions.z].map(|values| &values[pair.other.clone()][..count]);
-    let length_squared = |i: usize| {
-        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-        dx * dx + dy * dy + dz * dz
-    };
-    let mut maxima = [0.0_f64; LANES];
-    let whole = count - count % LANES;
-    for start in (0..whole).step_by(LANES) {
-        for (lane, max) in maxima.iter_mut().enumerate() {
-            let value = length_squared(start + lane);
-            *max = if value > *max { value } else { *max };
-        }
-    }
-    (whole..count).map(length_squared).chain(maxima).fold(0.0, f64::max)
-}
-
 impl Force for GridSprings {
     fn add_forces(
         &self,
@@ -341,46 +318,14 @@ impl Force for GridSprings {
     }
 
     fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {
-        self.for_each_spring_row(|family, pair, rest_length| {
-            let sums = &mut strains[family.family as usize];
-            for (own, other) in pair.own.zip(pair.other) {
-                let vector = at.positions.get(other) - at.positions.get(own);
-                let strain = strain(vector.length_squared(), rest_length);
-                sums.count += 1;
-                sums.min = sums.min.min(strain);
-                sums.max = sums.max.max(strain);
-                sums.sum += strain;
-            }
-        });
+        grid_strains::add_strains(self, at.positions, strains);
     }
 
     fn raise_max_strains(&self, at: Configuration<'_>, max_strains: &mut [f64; 3]) {
-        self.for_each_spring_row(|family, pair, rest_length| {
-            let max = &mut max_strains[family.family as usize];
-            *max = max.max(strain(max_length_squared(at.positions, &pair), rest_length));
-        });
+        self.instructions.run(RaiseMaxStrains { springs: self, positions: at.positions, max_strains });
     }
 
     fn eval_particle_strains(&self, at: Configuration<'_>, strains: &mut [f32]) {
-        let mut raise = |particle: usize, value: f64| {
-            if f64::from(strains[particle]).abs() < value.abs() {
-                strains[particle] = value as f32;
-            }
-        };
-        self.for_each_spring_row(|family, pair, rest_length| {
-            if family.family == Family::Structural {
-                for (own, other) in pair.own.zip(pair.other) {
-                    let vector = at.positions.get(other) - at.positions.get(own);
-                    let value = strain(vector.length_squared(), rest_length);
-                    raise(own, value);
-                    raise(other, value);
-                }
-            }
-        });
+        grid_strains::eval_particle_strains(self, at.positions, strains);
     }
-}
-
-/// Strain e = ℓ / L − 1 [1] from the squared length [m²] and the rest length [m].
-fn strain(length_squared: f64, rest_length: f64) -> f64 {
-    (length_squared.sqrt() - rest_length) / rest_length
 }

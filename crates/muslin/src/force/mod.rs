@@ -7,6 +7,7 @@ mod aerodynamic;
 mod gravity;
 mod grid_springs;
 mod grid_stiffness;
+mod grid_strains;
 mod gust;
 mod law;
 mod noise;

@@ -17,9 +17,8 @@ use crate::{Points, PointsMut};
 /// Particles of a row that are worked on at a time, so that their springs stay in a core's first-level cache.
 const TILE: usize = 128;
 
-/// Springs that are evaluated side by side: as many as the widest vectors hold. Narrower ones take several turns, which
-/// overlap.
-const LANES: usize = 8;
+/// Springs that are evaluated side by side where few are left of a row.
+const REST_LANES: usize = 8;
 
 /// Room for the springs of the last particles before a tile.
 const PAD: usize = 8;
@@ -106,7 +105,7 @@ impl Vectorise for RowSweep<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<const LANES: usize>(self) {
         let Self { springs, at, rows, forces, mut bounds, sweep } = self;
         let grid = springs.grid;
         let mut pass = RowPass { springs, at, sweep, is_bounded: bounds.is_some() };
@@ -114,20 +113,16 @@ impl Vectorise for RowSweep<'_, '_> {
             pass.start();
             // Two rows up is as far as springs reach.
             for row in rows.start.saturating_sub(2)..rows.start {
-                pass.strip(row..row + 1, None, None);
+                pass.strip::<LANES>(row..row + 1, None, None);
             }
         }
         let rows_per_strip = (TILE / grid.columns).max(1);
         for first in rows.clone().step_by(rows_per_strip) {
             let strip = first..(first + rows_per_strip).min(rows.end);
             let own = (strip.start - rows.start) * grid.columns..(strip.end - rows.start) * grid.columns;
-            let strip_forces = PointsMut {
-                x: &mut forces.x[own.clone()],
-                y: &mut forces.y[own.clone()],
-                z: &mut forces.z[own.clone()],
-            };
+            let strip_forces = slice_of(forces, own.clone());
             let strip_bounds = bounds.as_mut().map(|bounds| &mut bounds[own.clone()]);
-            pass.strip(strip, Some(strip_forces), strip_bounds);
+            pass.strip::<LANES>(strip, Some(strip_forces), strip_bounds);
         }
         sweep.next = Some((grid.particle(0, rows.end), bounds.is_some()));
     }
@@ -162,7 +157,7 @@ impl RowPass<'_> {
     /// Evaluates the springs of `rows`, adds what all springs do to them to their `forces` and `bounds`, and keeps what they
     /// do to later rows.
     #[inline(always)]
-    fn strip(
+    fn strip<const LANES: usize>(
         &mut self,
         rows: Range<usize>,
         mut forces: Option<PointsMut<'_>>,
@@ -177,7 +172,7 @@ impl RowPass<'_> {
                 let springs = &mut self.sweep.springs[family.family as usize];
                 let (springs_of, at, tile) = (self.springs, self.at, &tile);
                 if self.is_bounded && !family.has_constant_stiffness() {
-                    family.law.visit(EvalSprings::<true> {
+                    family.law.visit(EvalSprings::<LANES, true> {
                         grid: springs_of.grid,
                         tile,
                         family,
@@ -185,7 +180,7 @@ impl RowPass<'_> {
                         springs,
                     });
                 } else {
-                    family.law.visit(EvalSprings::<false> {
+                    family.law.visit(EvalSprings::<LANES, false> {
                         grid: springs_of.grid,
                         tile,
                         family,
@@ -194,16 +189,15 @@ impl RowPass<'_> {
                     });
                 }
             }
-            for row in rows.clone() {
-                let first = (row - rows.start) * columns;
-                if let Some(PointsMut { x, y, z }) = &mut forces {
-                    let own = first + tile.columns.start..first + tile.columns.end;
-                    let forces =
-                        PointsMut { x: &mut x[own.clone()], y: &mut y[own.clone()], z: &mut z[own.clone()] };
-                    self.distribute(&tile, first, Some(forces));
-                } else {
-                    self.distribute(&tile, first, None);
-                }
+            // The first two rows get something from earlier strips, all others from this one alone.
+            let apart = rows.len().min(2);
+            for row in 0..apart {
+                let own = row * columns + tile.columns.start..row * columns + tile.columns.end;
+                self.distribute(&tile, row * columns, forces.as_mut().map(|forces| slice_of(forces, own)));
+            }
+            if apart < rows.len() {
+                let others = apart * columns..rows.len() * columns;
+                self.distribute_within(columns, forces.as_mut().map(|forces| slice_of(forces, others)));
             }
             if self.is_bounded {
                 for row in rows.clone() {
@@ -254,6 +248,32 @@ impl RowPass<'_> {
         axis!(x, x);
         axis!(y, y);
         axis!(z, z);
+    }
+
+    /// Gives both ends of the springs of a strip of some rows their forces, but for its first two rows; `forces` [N] are those
+    /// of the rows after them.
+    #[inline(always)]
+    fn distribute_within(&mut self, columns: usize, forces: Option<PointsMut<'_>>) {
+        let Some(forces) = forces else { return };
+        let Sweep { springs, pending, .. } = &mut *self.sweep;
+        let [structural, shear, bend] = &springs[..] else { return };
+        let [below, after] = pending;
+        macro_rules! axis {
+            ($axis:ident) => {
+                let springs = [&structural[0], &structural[1], &shear[0], &shear[1], &bend[0], &bend[1]]
+                    .map(|springs| &springs.$axis[PAD - 2..]);
+                let last = columns + forces.$axis.len();
+                gather_within(forces.$axis, columns, springs);
+                let [_, down, diagonal, other_diagonal, _, far_down] = springs.map(|values| &values[last..]);
+                let before_last = &springs[5][last - columns..];
+                let (below, after) = (&mut below.forces.$axis, &mut after.forces.$axis);
+                after.iter_mut().zip(&before_last[2..]).for_each(|(after, force)| *after = -force);
+                pass_down(below, after, &down[2..], (&diagonal[1..], &other_diagonal[2..]), &far_down[2..]);
+            };
+        }
+        axis!(x);
+        axis!(y);
+        axis!(z);
     }
 
     /// The last springs of a tile pull at the first particles of the next in the same row; in the last tile they do not exist.
@@ -328,7 +348,7 @@ impl Shape {
 /// Evaluates the springs of one family in one tile, with their stiffness if `BOUNDED`.
 ///
 /// Several rows are one row to it: springs from the end of one to the beginning of the next are made zero again.
-struct EvalSprings<'a, const BOUNDED: bool> {
+struct EvalSprings<'a, const LANES: usize, const BOUNDED: bool> {
     grid: Grid,
     tile: &'a Tile,
     family: &'a GridFamily,
@@ -336,7 +356,7 @@ struct EvalSprings<'a, const BOUNDED: bool> {
     springs: &'a mut [TileSprings; 2],
 }
 
-impl<const BOUNDED: bool> LawVisitor for EvalSprings<'_, BOUNDED> {
+impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LANES, BOUNDED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
         let Self { grid, tile: Tile { rows, columns }, family, at, springs } = self;
@@ -353,7 +373,7 @@ impl<const BOUNDED: bool> LawVisitor for EvalSprings<'_, BOUNDED> {
                 let Points { x, y, z } = at.positions;
                 let own = [x, y, z].map(|values| &values[own..own + count]);
                 let other = [x, y, z].map(|values| &values[other..other + count]);
-                eval_row::<BOUNDED, _>(&spring, own, other, springs);
+                eval_row::<LANES, BOUNDED, _>(&spring, own, other, springs);
             }
             let end = PAD + rows.len() * columns.len();
             let arrays = if BOUNDED { 4 } else { 3 };
@@ -369,22 +389,27 @@ impl<const BOUNDED: bool> LawVisitor for EvalSprings<'_, BOUNDED> {
 
 /// Evaluates a row of springs from `own` to `other` positions [m].
 #[inline(always)]
-fn eval_row<const BOUNDED: bool, L: TensionLaw>(
+fn eval_row<const LANES: usize, const BOUNDED: bool, L: TensionLaw>(
     spring: &Spring<L>,
     own: [&[f64]; 3],
     other: [&[f64]; 3],
     springs: &mut TileSprings,
 ) {
     let count = own[0].len();
-    if count < LANES {
-        for start in 0..count {
+    let whole = count - count % LANES;
+    for start in (0..whole).step_by(LANES) {
+        eval_lanes::<LANES, BOUNDED, _>(spring, own, other, springs, start);
+    }
+    if count < REST_LANES {
+        for start in whole..count {
             eval_lanes::<1, BOUNDED, _>(spring, own, other, springs, start);
         }
         return;
     }
-    for start in (0..count).step_by(LANES) {
+    for start in (whole..count).step_by(REST_LANES) {
         // In the end some springs again, which costs less than the last ones one by one.
-        eval_lanes::<LANES, BOUNDED, _>(spring, own, other, springs, start.min(count - LANES));
+        let start = start.min(count - REST_LANES);
+        eval_lanes::<REST_LANES, BOUNDED, _>(spring, own, other, springs, start);
     }
 }
 
@@ -449,6 +474,29 @@ fn gather(
     }
 }
 
+/// What [`gather`] and [`pass_down`] do together, with the same bits, for rows of `columns` from the third of a strip on;
+/// the first of its springs has number 2.
+#[inline(always)]
+fn gather_within(forces: &mut [f64], columns: usize, springs: [&[f64]; 6]) {
+    let [across, down, diagonal, other_diagonal, far_across, far_down] = springs;
+    let (own, above, far_above) = (2 + 2 * columns, 2 + columns, 2);
+    let count = forces.len();
+    let (down_above, down) = (&down[above..][..count], &down[own..][..count]);
+    let (across_before, across) = (&across[own - 1..][..count], &across[own..][..count]);
+    let (diagonal_above, diagonal) = (&diagonal[above - 1..][..count], &diagonal[own..][..count]);
+    let other_diagonal_above = &other_diagonal[above..][..count];
+    let other_diagonal = &other_diagonal[own - 1..][..count];
+    let (far_across_before, far_across) = (&far_across[own - 2..][..count], &far_across[own..][..count]);
+    let (far_down_above, far_down) = (&far_down[far_above..][..count], &far_down[own..][..count]);
+    for i in 0..count {
+        let above = -far_down_above[i] - down_above[i] - (diagonal_above[i] + other_diagonal_above[i]);
+        let structural = above + (across[i] - across_before[i]) + down[i];
+        let shear = diagonal[i] + other_diagonal[i];
+        let bend = (far_across[i] - far_across_before[i]) + far_down[i];
+        forces[i] += structural + shear + bend;
+    }
+}
+
 /// Puts into `below` all forces [N] along one axis on the next row from earlier rows and this one, and into `after` those on
 /// the row after it.
 #[inline(always)]
@@ -466,6 +514,12 @@ fn pass_down(
         below[i] = after[i] - down[i] - (diagonal_before[i] + other_diagonal[i]);
         after[i] = -far_down[i];
     }
+}
+
+/// The points of `range`.
+#[inline(always)]
+fn slice_of<'a>(points: &'a mut PointsMut<'_>, range: Range<usize>) -> PointsMut<'a> {
+    PointsMut { x: &mut points.x[range.clone()], y: &mut points.y[range.clone()], z: &mut points.z[range] }
 }
 
 /// Adds `values` to `sums`.

@@ -139,8 +139,11 @@ impl<L: TensionLaw> Spring<L> {
     #[must_use]
     pub fn tangent_product(&self, vector: DVec3, displacement: DVec3) -> DVec3 {
         let at = SpringLength::of(vector);
+        if at.inverse == 0.0 && self.direction == ForceDirection::CurrentLength {
+            return DVec3::ZERO;
+        }
         let normal = vector * at.inverse;
-        // Without a direction along the spring it is zero; across it only the as-printed direction has a stiffness.
+        // Without a direction along the spring there is only the stiffness across it.
         let along = normal * normal.dot(displacement);
         along * self.axial_tangent(at.length) + (displacement - along) * self.coefficient(at)
     }

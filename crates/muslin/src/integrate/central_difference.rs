@@ -391,7 +391,7 @@ impl Vectorise for MoveBlock<'_, '_> {
     type Output = Moved;
 
     #[inline(always)]
-    fn run(self) -> Moved {
+    fn run<const LANES: usize>(self) -> Moved {
         let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
         let mut moved = Moved { is_finite: true, motion: Motion::default() };
         for run in particles.runs(block) {

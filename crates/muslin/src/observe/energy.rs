@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::pin_work::PinWork;
 use super::{Frame, Observer};
 use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
+use crate::model::ParticleRun;
 use crate::points::sum_in_lanes;
 use crate::{Model, Points, PointsMut, State};
 
@@ -268,12 +269,15 @@ fn sum_forces<'a>(
 
 /// Σ k_d v² [W] of the free particles with the state's velocities.
 fn drag_power(model: &Model, state: &State) -> f64 {
-    let (velocities, pinned) = (&state.velocities, model.particles().pinned());
-    sum_in_lanes(model.particles().drags(), |i, drag| {
-        let (x, y, z) = (velocities.x[i], velocities.y[i], velocities.z[i]);
-        let power = drag * (x * x + y * y + z * z);
-        if pinned[i] { 0.0 } else { power }
-    })
+    let (particles, velocities) = (model.particles(), &state.velocities);
+    let runs = particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0);
+    let power = |run: ParticleRun| {
+        let [x, y, z] = [&velocities.x, &velocities.y, &velocities.z].map(|velocities| {
+            sum_in_lanes(&velocities[run.particles.clone()], |_, velocity| velocity * velocity)
+        });
+        run.drag * (x + y + z)
+    };
+    runs.map(power).sum()
 }
 
 /// ½ Σ (F_before + F_after) · v [W].
