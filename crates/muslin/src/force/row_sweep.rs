@@ -141,8 +141,12 @@ impl RowPass<'_> {
     fn start(&mut self) {
         let columns = self.springs.grid.columns;
         self.sweep.springs.resize(SHAPES.len(), [TileSprings::ZERO, TileSprings::ZERO]);
-        for springs in self.sweep.springs.iter_mut().flatten() {
-            springs.arrays().into_iter().for_each(|values| values[..PAD + columns.min(TILE)].fill(0.0));
+        for (index, springs) in self.sweep.springs.iter_mut().enumerate() {
+            // A family without springs has none in any row; what another grid left must not count as such.
+            let is_absent = !self.springs.families.iter().any(|family| family.family as usize == index);
+            let end = if is_absent { PAD + TILE } else { PAD };
+            let arrays = springs.iter_mut().flat_map(TileSprings::arrays);
+            arrays.for_each(|values| values[PAD - 2..end].fill(0.0));
         }
         for Pending { forces, bounds } in &mut self.sweep.pending {
             if forces.len() != columns {
@@ -378,10 +382,16 @@ impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LAN
             let end = PAD + rows.len() * columns.len();
             let arrays = if BOUNDED { 4 } else { 3 };
             for values in springs.arrays().into_iter().take(arrays) {
-                for row_end in (columns.len()..=count).step_by(columns.len()) {
-                    values[PAD + row_end - shape.reach()..PAD + row_end].fill(0.0);
+                if shape.reach() > 0 && rows.len() > 1 {
+                    for row_end in (columns.len()..=count).step_by(columns.len()) {
+                        // Up to two, which are not worth a call.
+                        values[PAD + row_end - shape.reach()] = 0.0;
+                        values[PAD + row_end - 1] = 0.0;
+                    }
                 }
-                values[PAD + count..end].fill(0.0);
+                for value in &mut values[PAD + count..end] {
+                    *value = 0.0;
+                }
             }
         }
     }
