@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use super::grid_laws::{GridLaws, Lines, SpringGroup};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::spring::Spring;
 use super::{Configuration, Family, Force, PotentialEnergies, SpringEnds, StrainSums};
 use crate::model::Grid;
-use crate::scene::{ForceDirection, SpringsFabric};
+use crate::scene::ForceDirection;
 use crate::{Points, PointsMut};
 
 /// Partial results that loops over springs keep side by side, so that the compiler can use vector registers.
@@ -22,13 +23,14 @@ pub struct GridSprings {
     families: Vec<GridFamily>,
 }
 
-/// The springs of one family: a law and the places of the neighbours.
+/// The springs of one group: a law, the places of the neighbours, and the lines that they lie in.
 #[derive(Clone, Debug)]
 struct GridFamily {
     family: Family,
     law: SpringLaw,
     direction: ForceDirection,
     neighbours: Vec<Neighbour>,
+    lines: Lines,
 }
 
 /// A neighbour's place in the grid, relative to a particle's.
@@ -45,26 +47,25 @@ struct RowPair {
     other: Range<usize>,
 }
 
+impl RowPair {
+    /// The springs in `columns`, if there are any.
+    fn part(&self, columns: Range<usize>) -> Option<Self> {
+        let part = |particles: &Range<usize>| particles.start + columns.start..particles.start + columns.end;
+        (!columns.is_empty()).then(|| Self { own: part(&self.own), other: part(&self.other) })
+    }
+}
+
 impl GridSprings {
-    /// The springs that `fabric` gives `grid`.
+    /// The springs of `grid` under `laws`.
     #[must_use]
-    pub fn new(grid: Grid, fabric: &SpringsFabric) -> Self {
-        let families = [
-            (Family::Structural, &fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
-            (Family::Shear, &fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
-            (Family::Bend, &fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
-        ];
-        let families = families
-            .into_iter()
-            .filter(|(_, settings, _)| settings.has_springs())
-            .map(|(family, settings, places)| GridFamily {
-                family,
-                law: SpringLaw::new(settings),
-                direction: fabric.force_direction,
-                neighbours: places.map(|(columns, rows)| Neighbour::new(&grid, columns, rows)).to_vec(),
-            })
-            .collect();
-        Self { grid, families }
+    pub fn new(grid: Grid, laws: GridLaws) -> Self {
+        let direction = laws.direction;
+        let groups = laws.groups.into_iter().map(|SpringGroup { family, law, neighbours, lines }| {
+            let neighbours =
+                neighbours.into_iter().map(|(columns, rows)| Neighbour::new(&grid, columns, rows)).collect();
+            GridFamily { family, law, direction, neighbours, lines }
+        });
+        Self { grid, families: groups.collect() }
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
@@ -72,7 +73,7 @@ impl GridSprings {
         for family in &self.families {
             for row in 0..self.grid.rows {
                 for neighbour in family.neighbours.iter().filter(|neighbour| neighbour.is_ahead()) {
-                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         visit(family, pair, neighbour.rest_length);
                     }
                 }
@@ -91,10 +92,10 @@ impl GridSprings {
         for family in &self.families {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
-                    if let Some(pair) = &neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         let (rest_length, direction) = (neighbour.rest_length, family.direction);
                         let offset = block.start;
-                        visit(family, SpringRow { at, pair, offset, rest_length, direction });
+                        visit(family, SpringRow { at, pair: &pair, offset, rest_length, direction });
                     }
                 }
             }
@@ -111,7 +112,7 @@ impl GridSprings {
         for family in &self.families {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
-                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         for (own, other) in pair.own.zip(pair.other) {
                             visit(family, own, other, neighbour.rest_length);
                         }
@@ -144,6 +145,24 @@ impl Neighbour {
     /// Whether this end numbers the spring: one of two opposite neighbours does.
     fn is_ahead(&self) -> bool {
         0 < self.rows || (self.rows == 0 && 0 < self.columns)
+    }
+
+    /// The particles of `row` that have this neighbour, as far as the springs between them lie in `lines`.
+    fn row_pairs(&self, grid: &Grid, row: usize, lines: Lines) -> impl Iterator<Item = RowPair> + use<> {
+        let is_edge = row == 0 || row + 1 == grid.rows;
+        let pair = self.row_pair(grid, row);
+        let columns = grid.columns;
+        let pairs = match (lines, self.rows == 0) {
+            (Lines::All, _) => [pair, None],
+            (Lines::Inner, true) => [pair.filter(|_| !is_edge), None],
+            (Lines::Edges, true) => [pair.filter(|_| is_edge), None],
+            (Lines::Inner, false) => [pair.and_then(|pair| pair.part(1..columns.max(2) - 1)), None],
+            (Lines::Edges, false) => [
+                pair.as_ref().and_then(|pair| pair.part(0..1)),
+                pair.and_then(|pair| pair.part(columns.max(2) - 1..columns)),
+            ],
+        };
+        pairs.into_iter().flatten()
     }
 
     /// The particles of `row` that have this neighbour, or `None` if there are none.

@@ -3,14 +3,16 @@
 mod arctangent;
 mod curve;
 mod linear;
+mod reduced;
 mod tangent;
 
 pub use arctangent::ArctangentLaw;
 pub use curve::CurveLaw;
 pub use linear::LinearLaw;
+pub use reduced::ReducedLaw;
 pub use tangent::TangentLaw;
 
-use crate::scene::{SpringLawSettings, SpringSettings};
+use crate::scene::{SpringLawSettings, SpringSettings, TensionCurve};
 
 /// Tension of a spring against its extension.
 ///
@@ -65,7 +67,7 @@ impl<L: TensionLaw> TensionLaw for &L {
     }
 }
 
-/// Any law that a scene can name.
+/// Any law that a scene can ask for.
 ///
 /// It is a law itself; loops over many springs match it once and use the law inside.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +80,8 @@ pub enum SpringLaw {
     Arctangent(ArctangentLaw),
     /// `"curve"`
     Curve(CurveLaw),
+    /// Of a measured fabric that stiffens, beside shear springs.
+    ReducedTangent(ReducedLaw<TangentLaw>),
 }
 
 impl SpringLaw {
@@ -91,8 +95,14 @@ impl SpringLaw {
                 Self::Tangent(TangentLaw::new(stiffness, strain_scale))
             }
             SpringLawSettings::ArctangentForce => Self::Arctangent(ArctangentLaw { stiffness }),
-            SpringLawSettings::Curve(ref curve) => Self::Curve(CurveLaw::new(curve)),
+            SpringLawSettings::Curve(ref curve) => Self::curve(curve),
         }
+    }
+
+    /// The law through the points of `curve`.
+    #[must_use]
+    pub fn curve(curve: &TensionCurve) -> Self {
+        Self::Curve(CurveLaw::new(curve))
     }
 
     /// Gives the law that it is to `visitor`, once for a loop over many springs.
@@ -103,6 +113,7 @@ impl SpringLaw {
             Self::Tangent(law) => visitor.visit(*law),
             Self::Arctangent(law) => visitor.visit(*law),
             Self::Curve(law) => visitor.visit(law),
+            Self::ReducedTangent(law) => visitor.visit(*law),
         }
     }
 
@@ -126,6 +137,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension(extension, rest_length),
             Self::Arctangent(law) => law.tension(extension, rest_length),
             Self::Curve(law) => law.tension(extension, rest_length),
+            Self::ReducedTangent(law) => law.tension(extension, rest_length),
         }
     }
 
@@ -135,6 +147,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tangent(extension, rest_length),
             Self::Arctangent(law) => law.tangent(extension, rest_length),
             Self::Curve(law) => law.tangent(extension, rest_length),
+            Self::ReducedTangent(law) => law.tangent(extension, rest_length),
         }
     }
 
@@ -144,6 +157,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Curve(law) => law.tension_and_tangent(extension, rest_length),
+            Self::ReducedTangent(law) => law.tension_and_tangent(extension, rest_length),
         }
     }
 
@@ -153,6 +167,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.energy(extension, rest_length),
             Self::Arctangent(law) => law.energy(extension, rest_length),
             Self::Curve(law) => law.energy(extension, rest_length),
+            Self::ReducedTangent(law) => law.energy(extension, rest_length),
         }
     }
 
@@ -162,6 +177,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.energy_moment(extension, rest_length),
             Self::Arctangent(law) => law.energy_moment(extension, rest_length),
             Self::Curve(law) => law.energy_moment(extension, rest_length),
+            Self::ReducedTangent(law) => law.energy_moment(extension, rest_length),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::table::Entry;
+use super::table::{Entry, Table};
 use super::value::{NumberRule, Value};
-use super::{curve, limit};
+use super::{curve, limit, measured};
 use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
 use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
@@ -19,10 +19,32 @@ pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<BTreeMap<Strin
 fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError> {
     let mut table = value.table("write `[fabric.NAME]`")?;
     let kind = table.take("kind");
-    if let Some(kind) = table.peek("kind").optional() {
-        kind.reject_later(&[("measured", "a measured fabric")], "use `kind = \"springs\"`")?;
-        kind.choice("is not a kind of fabric", &[("springs", ())])?;
+    let is_measured = match table.peek("kind").optional() {
+        Some(kind) => kind.choice("is not a kind of fabric", &[("springs", false), ("measured", true)])?,
+        // Its keys tell what it is meant to be, so that only the kind is found missing.
+        None => ["warp", "weft"].into_iter().any(|key| table.peek(key).is_given()),
+    };
+    Ok(if is_measured {
+        Fabric::Measured(measured::read(table, &kind, files)?)
+    } else {
+        Fabric::Springs(read_springs_fabric(table, &kind, files)?)
+    })
+}
+
+/// Checks that a fabric has its `kind`.
+pub(super) fn require_kind(kind: &Entry) -> Result<(), SceneError> {
+    if kind.is_given() {
+        return Ok(());
     }
+    Err(kind.missing("", "write `kind = \"springs\"` or `kind = \"measured\"`"))
+}
+
+/// What `table` holds, whose `kind` is that of springs or missing.
+fn read_springs_fabric(
+    mut table: Table,
+    kind: &Entry,
+    files: &mut DataFiles,
+) -> Result<SpringsFabric, SceneError> {
     let particle_mass = table.take("particle_mass");
     let drag = table.take("drag");
     let force_direction = table.take("force_direction");
@@ -32,9 +54,9 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
     let limit = table.take("limit");
     table.finish()?;
 
-    kind.required("", "write `kind = \"springs\"`")?;
+    require_kind(kind)?;
     let (structural, shear) = (read_springs(structural, files)?, read_springs(shear, files)?);
-    Ok(Fabric::Springs(SpringsFabric {
+    Ok(SpringsFabric {
         particle_mass: particle_mass.number("kg", NumberRule::Positive)?,
         drag: drag.number("kg/s", NumberRule::NotNegative)?,
         force_direction: match force_direction.optional() {
@@ -51,7 +73,7 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
         limit: limit.optional().map(|limit| limit::read(limit, &structural, &shear)).transpose()?,
         structural,
         shear,
-    }))
+    })
 }
 
 /// A law by its name.
