@@ -3,9 +3,9 @@
 use glam::DVec3;
 use muslin::scene::{
     AirSettings, BendingRigidity, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection,
-    GridSettings, GustSettings, KesTensile, LimitSettings, MeasuredFabric, MembraneTension, Method,
-    NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings, SpringSettings, Start,
-    StepRule, WindSettings, rigidity_from_bending_length,
+    GridSettings, GustSettings, KesTensile, LibraryFabric, LimitSettings, MeasuredFabric, MembraneTension,
+    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
+    SpringSettings, Start, StepRule, WindSettings, rigidity_from_bending_length,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -57,7 +57,7 @@ fn every_value_of_a_complete_scene_is_read() {
     );
 
     let springs = |stiffness| SpringSettings { stiffness, law: SpringLawSettings::Linear };
-    assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["cotton", "paper", "stiff paper"]);
+    assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["cotton", "paper", "stiff paper", "wool"]);
     let Fabric::Measured(cotton) = &scene.fabrics()["cotton"] else { panic!("measured") };
     let rigidity = rigidity_from_bending_length(0.124, 0.02);
     let test = KesTensile { extension: 0.1275, linearity: 0.55, force: 490.3325 };
@@ -76,6 +76,8 @@ fn every_value_of_a_complete_scene_is_read() {
             },
         }
     );
+    let wool = LibraryFabric::find("typical-wool-tropical").expect("it is in the library").fabric();
+    assert_eq!(scene.fabrics()["wool"], Fabric::Measured(wool));
     let Fabric::Springs(paper) = &scene.fabrics()["paper"] else { panic!("springs") };
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);

@@ -6,7 +6,7 @@ use muslin::scene::{JSON_SCHEMA, Scene, SceneErrorKind, set_value};
 use serde_json::Value;
 
 /// Where a complete scene has each object of the schema.
-const OBJECTS: [(&str, &str); 21] = [
+const OBJECTS: [(&str, &str); 22] = [
     ("", ""),
     ("/$defs/run", "run."),
     ("/$defs/step", "run.step."),
@@ -15,6 +15,7 @@ const OBJECTS: [(&str, &str); 21] = [
     ("/$defs/aerodynamic_wind", "environment.wind.1."),
     ("/$defs/springs_fabric", "fabric.paper."),
     ("/$defs/measured_fabric", "fabric.cotton."),
+    ("/$defs/library_fabric", "fabric.wool."),
     ("/$defs/membrane_tension", "fabric.cotton.warp."),
     ("/$defs/membrane_shear", "fabric.cotton.shear."),
     ("/$defs/bending", "fabric.cotton.bend."),

@@ -51,4 +51,16 @@ impl MeasuredFabric {
         let ratio = weft / warp;
         [self.shear_modulus * ratio * ratio, self.shear_modulus / (ratio * ratio)]
     }
+
+    /// The smallest and the largest h_x / h_y [1] of cells whose structural springs have tension left, both excluded; without
+    /// any such cells the first is not below the second.
+    ///
+    /// ```text
+    /// √(G / K_warp) < h_x / h_y < √(K_weft / G)    with the least slopes K of the tensions
+    /// ```
+    #[must_use]
+    pub fn cell_ratios(&self) -> [f64; 2] {
+        let [warp, weft] = [&self.warp, &self.weft].map(MembraneTension::least_modulus);
+        [(self.shear_modulus / warp).sqrt(), (weft / self.shear_modulus).sqrt()]
+    }
 }

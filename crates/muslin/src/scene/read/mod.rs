@@ -16,6 +16,7 @@ mod value;
 
 use toml::de::DeTable;
 
+pub(super) use self::fabric::read_library as read_library_fabric;
 use self::table::Table;
 pub(super) use self::table::joined;
 pub(super) use self::value::rounded;

@@ -170,9 +170,7 @@ fn check_springs(
         ["weft", "warp"][conflict],
         shown(moduli[conflict]),
     );
-    // G (h_x/h_y)² < K_weft and G (h_y/h_x)² < K_warp.
-    let [widest, narrowest] =
-        [(moduli[0] / fabric.shear_modulus).sqrt(), (fabric.shear_modulus / moduli[1]).sqrt()];
+    let [narrowest, widest] = fabric.cell_ratios();
     let help = if narrowest < widest {
         format!(
             "take cells that are more than {} and less than {} times as wide as they are high",
