@@ -228,15 +228,25 @@ fn add_row(values: &[f64], own: usize, neighbours: &[(usize, f64); 12], sums: &m
     // Within a row the weights of both sides are equal.
     let [(_, near), (_, far)] = [neighbours[1], neighbours[0]];
     let along = [4, 5, 6, 7].map(|place: usize| neighbours[place].1);
-    let diagonals = [8, 10].map(|place: usize| neighbours[place].1);
+    let [before, after] = [8, 10].map(|place: usize| neighbours[place].1);
+    if along[0] == along[3] && along[1] == along[2] && before == after {
+        // So are those of rows on both sides, but near an edge.
+        let [along_far, along_near, diagonal] = [along[0], along[1], before];
+        for i in 0..count {
+            let (x, twice) = (own[i], 2.0 * own[i]);
+            let across = far * ((a[i] + d[i]) - twice) + near * ((b[i] + c[i]) - twice);
+            let along = along_far * ((e[i] + h[i]) - twice) + along_near * ((f[i] + g[i]) - twice);
+            sums[i] += (across + along) + diagonal * (((k[i] + n[i]) + (l[i] + m[i])) - 4.0 * x);
+        }
+        return;
+    }
     for i in 0..count {
         let x = own[i];
         let across = far * ((a[i] - x) + (d[i] - x)) + near * ((b[i] - x) + (c[i] - x));
         let behind = along[0] * (e[i] - x) + along[1] * (f[i] - x);
         let ahead = along[2] * (g[i] - x) + along[3] * (h[i] - x);
-        let before = diagonals[0] * ((k[i] - x) + (l[i] - x));
-        let after = diagonals[1] * ((m[i] - x) + (n[i] - x));
-        sums[i] += across + ((behind + ahead) + (before + after));
+        let diagonals = before * ((k[i] - x) + (l[i] - x)) + after * ((m[i] - x) + (n[i] - x));
+        sums[i] += across + ((behind + ahead) + diagonals);
     }
 }
 

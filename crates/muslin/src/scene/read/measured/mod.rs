@@ -11,8 +11,8 @@ use super::value::{NumberRule, Value, rounded, with_decimals};
 use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
 use crate::scene::{
-    BendingRigidity, Fabric, GridSettings, MeasuredFabric, SceneError, rigidity_from_bending_length,
-    shear_modulus_from_bias_extension, shear_modulus_per_radian,
+    BendingRigidity, Fabric, GridSettings, MeasuredFabric, MembraneTension, SceneError,
+    rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian,
 };
 
 /// What `table` holds, whose `kind` is that of measured fabrics or missing.
@@ -161,13 +161,17 @@ fn check_springs(
     let fabric_path = joined("fabric", name);
     let message = format!(
         "`{}` has cells of {} m x {} m, in which the shear springs of `{fabric_path}.shear` resist stretch along the {} \
-         by {} N/m, but `{fabric_path}.{}` has a modulus of only {} N/m",
+         by {} N/m, but `{fabric_path}.{}` {} {} N/m",
         grid.path,
         shown(spacings[0]),
         shown(spacings[1]),
         ["weft", "warp"][conflict],
         shown(shares[conflict]),
         ["weft", "warp"][conflict],
+        match [&fabric.weft, &fabric.warp][conflict] {
+            MembraneTension::Curve(_) => "rises in its flattest part by only",
+            _ => "has a modulus of only",
+        },
         shown(moduli[conflict]),
     );
     let [narrowest, widest] = fabric.cell_ratios();
