@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use crate::work::{Work, exists};
 
-const NAMES: [&str; 7] =
-    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "pendulum"];
+const NAMES: [&str; 8] =
+    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "wool", "pendulum"];
 
 #[test]
 fn check_tells_what_a_run_would_be() {
@@ -78,7 +78,7 @@ fn every_new_scene_runs() {
     work.muslin("new curtain").assert_failure(
         2,
         "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, flag-flutter, free-fall, \
-         pendulum",
+         wool, pendulum",
     );
 }
 
