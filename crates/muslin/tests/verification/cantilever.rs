@@ -75,7 +75,7 @@ fn squared_frequencies(cells: usize) -> [f64; 2] {
     let stiffness: Vec<Vec<f64>> = (2..columns)
         .map(|column| {
             let mut displacements = Points::zeros(positions.len());
-            both(column).map(|particle| displacements.set(particle, DVec3::Y));
+            both(column).into_iter().for_each(|particle| displacements.set(particle, DVec3::Y));
             let products = tangent_products(&model, &positions, &displacements);
             (2..columns)
                 .map(|column| both(column).map(|particle| products.y[particle]).iter().sum())
@@ -125,11 +125,10 @@ fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -
 fn solved(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     let count = right.len();
     for pivot in 0..count {
+        let pivot_row = matrix[pivot].clone();
         for row in pivot + 1..count {
-            let factor = matrix[row][pivot] / matrix[pivot][pivot];
-            for column in pivot..count {
-                matrix[row][column] -= factor * matrix[pivot][column];
-            }
+            let factor = matrix[row][pivot] / pivot_row[pivot];
+            matrix[row].iter_mut().zip(&pivot_row).for_each(|(value, pivot)| *value -= factor * pivot);
             right[row] -= factor * right[pivot];
         }
     }
