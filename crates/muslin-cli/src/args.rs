@@ -50,8 +50,22 @@ pub(crate) enum Command {
     },
     /// Print the JSON Schema of the scene file
     Schema,
+    /// List the fabrics that come with muslin, or show one
+    #[command(subcommand)]
+    Fabric(FabricCommand),
     /// Recompute the figures and claims of the paper behind muslin, on a page
     Reproduce(ReproduceArguments),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum FabricCommand {
+    /// List the fabrics that come with muslin
+    List,
+    /// Print a fabric's table for a scene, with where its values are from and what follows from them
+    Show {
+        /// Name of the fabric, as `muslin fabric list` has it
+        name: String,
+    },
 }
 
 #[derive(Debug, clap::Args)]

@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod error;
+mod fabric;
 mod file_progress;
 mod files;
 mod frame_store;
@@ -25,7 +26,7 @@ mod view;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, FabricCommand};
 use error::CliError;
 
 fn main() -> ExitCode {
@@ -37,6 +38,8 @@ fn main() -> ExitCode {
         Command::View { dir } => view::view(dir),
         Command::New { name } => new::new(name.as_deref()),
         Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
+        Command::Fabric(FabricCommand::List) => fabric::list(),
+        Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

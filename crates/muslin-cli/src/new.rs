@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::print_text;
 
 /// Scenes to start from: name, what it shows, and text.
-const SCENES: [(&str, &str, &str); 7] = [
+const SCENES: [(&str, &str, &str); 8] = [
     ("hanging", "a 10 x 10 cloth hung by two corners", include_str!("../../../scenes/hanging.toml")),
     (
         "hanging-tangent",
@@ -19,6 +19,7 @@ const SCENES: [(&str, &str, &str); 7] = [
     ("flag", "a cloth pinned along one edge, in wind", include_str!("../../../scenes/flag.toml")),
     ("flag-flutter", "a flag that flutters in moving air", include_str!("../../../scenes/flag-flutter.toml")),
     ("free-fall", "a cloth that falls with drag", include_str!("../../../scenes/free-fall.toml")),
+    ("wool", "a measured fabric, hung by two corners", include_str!("../../../scenes/wool.toml")),
     ("pendulum", "a column of particles that swings", include_str!("../../../scenes/pendulum.toml")),
 ];
 

@@ -105,14 +105,17 @@ fn windy(columns: usize, rows: usize, frame_intervals: u32, steps_per_frame: u32
             noise: [0.0; 2],
         }],
         airs: vec![AirNumbers::steady([1.0, 0.0, 2.0], [1.5, 0.05])],
-        cloths: vec![ClothNumbers {
-            columns,
-            rows,
-            pins: vec![(0, 0)],
-            motion: Some(MOTION),
-            limit: Some(LIMIT),
-            ..ClothNumbers::default()
-        }],
+        cloths: vec![
+            ClothNumbers {
+                columns,
+                rows,
+                pins: vec![(0, 0)],
+                motion: Some(MOTION),
+                limit: Some(LIMIT),
+                ..ClothNumbers::default()
+            },
+            ClothNumbers { is_measured: true, ..ClothNumbers::default() },
+        ],
         ..SceneNumbers::default()
     }
 }

@@ -24,7 +24,7 @@ fn points(bytes: &[u8]) -> Vec<[f64; 2]> {
     let scene = parse(bytes).unwrap_or_else(|error| panic!("{}", error.render("scenes/scene.toml", &text())));
     let [file] = scene.data_files() else { panic!("one file") };
     assert_eq!((file.name(), file.bytes()), ("data/warp.csv", bytes));
-    let Fabric::Springs(fabric) = &scene.fabrics()["paper"];
+    let Fabric::Springs(fabric) = &scene.fabrics()["paper"] else { panic!("springs") };
     let SpringLawSettings::Curve(curve) = &fabric.structural.law else { panic!("a curve") };
     curve.points().to_vec()
 }

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    AirSettings, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection, GridSettings,
-    GustSettings, LimitSettings, Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene,
-    SpringLawSettings, SpringSettings, Start, StepRule, WindSettings,
+    AirSettings, BendingRigidity, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection,
+    GridSettings, GustSettings, KesTensile, LibraryFabric, LimitSettings, MeasuredFabric, MembraneTension,
+    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
+    SpringSettings, Start, StepRule, WindSettings, rigidity_from_bending_length,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -56,14 +57,34 @@ fn every_value_of_a_complete_scene_is_read() {
     );
 
     let springs = |stiffness| SpringSettings { stiffness, law: SpringLawSettings::Linear };
-    assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["paper", "stiff paper"]);
-    let Fabric::Springs(paper) = &scene.fabrics()["paper"];
+    assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["cotton", "paper", "stiff paper", "wool"]);
+    let Fabric::Measured(cotton) = &scene.fabrics()["cotton"] else { panic!("measured") };
+    let rigidity = rigidity_from_bending_length(0.124, 0.02);
+    let test = KesTensile { extension: 0.1275, linearity: 0.55, force: 490.3325 };
+    assert_eq!(
+        *cotton,
+        MeasuredFabric {
+            areal_density: 0.124,
+            drag: 0.01,
+            warp: MembraneTension::Tangent { modulus: 3600.0, strain_scale: 0.036 },
+            weft: test.tension().expect("a law"),
+            shear_modulus: 40.0,
+            bending: BendingRigidity {
+                warp: 9.80665e-6,
+                weft: rigidity,
+                twist: 8e-6 - 0.25 * (9.80665e-6 + rigidity)
+            },
+        }
+    );
+    let wool = LibraryFabric::find("typical-wool-tropical").expect("it is in the library").fabric();
+    assert_eq!(scene.fabrics()["wool"], Fabric::Measured(wool));
+    let Fabric::Springs(paper) = &scene.fabrics()["paper"] else { panic!("springs") };
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
     assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
     let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
     assert_eq!(paper.limit, Some(cut_off));
-    let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"];
+    let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"] else { panic!("springs") };
     assert_eq!((stiff.particle_mass, stiff.drag), (1.0, 0.0));
     assert_eq!(stiff.force_direction, ForceDirection::CurrentLength);
     assert_eq!(stiff.limit, Some(LimitSettings::ArctangentProjection));
@@ -151,7 +172,7 @@ fn a_short_scene_has_the_stated_defaults() {
     assert_eq!(run.method, Method::CentralDifference);
     assert_eq!((run.start, run.seed, run.allow_unstable), (Start::Consistent, 0, false));
     assert!(scene.environment().winds.is_empty() && scene.expectations().is_empty());
-    let Fabric::Springs(fabric) = &scene.fabrics()["f"];
+    let Fabric::Springs(fabric) = &scene.fabrics()["f"] else { panic!("springs") };
     assert_eq!((fabric.force_direction, fabric.limit), (ForceDirection::CurrentLength, None));
     assert_eq!(scene.cloths()[0].grid, GridSettings { columns: 1, rows: 1, width: 0.0, height: 0.0 });
     assert!(scene.cloths()[0].pins.is_empty());

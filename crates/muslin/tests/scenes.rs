@@ -75,7 +75,7 @@ fn curves_of_suiting_have_the_published_values() {
         let mut load = |file: &str| std::fs::read(folder.join(file)).map_err(|error| error.to_string());
         let scene = Scene::parse_with(&text, &mut load).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scene.data_files()[0].name(), format!("fabrics/suiting-{name}.csv"));
-        let Fabric::Springs(fabric) = &scene.fabrics()["suiting"];
+        let Fabric::Springs(fabric) = &scene.fabrics()["suiting"] else { panic!("springs") };
         let SpringLawSettings::Curve(curve) = &fabric.structural.law else { panic!("a curve") };
         let linearity = |u: f64| -2.0 * u.cos().ln() / (u * u.tan());
         let (mut low, mut high) = (0.1, 1.5);

@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use crate::work::{Work, exists};
 
-const NAMES: [&str; 7] =
-    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "pendulum"];
+const NAMES: [&str; 8] =
+    ["hanging", "hanging-tangent", "hanging-100", "flag", "flag-flutter", "free-fall", "wool", "pendulum"];
 
 #[test]
 fn check_tells_what_a_run_would_be() {
@@ -78,7 +78,7 @@ fn every_new_scene_runs() {
     work.muslin("new curtain").assert_failure(
         2,
         "error: there is no scene `curtain` to start from\n  help: scenes: hanging, hanging-tangent, hanging-100, flag, flag-flutter, free-fall, \
-         pendulum",
+         wool, pendulum",
     );
 }
 
@@ -137,4 +137,42 @@ fn a_narrow_terminal_cuts_the_bar_off() {
     let Some(line) = drawn_bar(30) else { return };
     let width = line.trim_end_matches('\n').chars().filter(|letter| !letter.is_control()).count();
     assert!(width <= 30, "{width} characters: {line:?}");
+}
+
+/// What is shown is a table that a scene can have in place of the name.
+#[test]
+fn fabrics_are_listed_and_shown() {
+    let work = Work::new();
+    let list = work.muslin("fabric list");
+    list.assert_success();
+    let names: Vec<&str> = list.stdout.lines().map_while(|line| line.split_whitespace().next()).collect();
+    assert!(5 <= names.len(), "{}", list.stdout);
+    for name in names {
+        let shown = work.muslin(&format!("fabric show {name}"));
+        shown.assert_success();
+        assert!(shown.stdout.contains("# Source") && shown.stdout.contains("largest stable step"), "{name}");
+        let scene = |fabric: &str| {
+            format!(
+                "title = \"sheet\"\nrun = {{ duration = 0.1 }}\nenvironment = {{ gravity = [0, -9.81, 0] }}\n{fabric}\n\
+                 [[cloth]]\nname = \"sheet\"\nfabric = \"{name}\"\n\
+                 grid = {{ columns = 5, rows = 5, width = 0.2, height = 0.2 }}\n\
+                 place = {{ origin = [0, 1, 0], width_axis = [1, 0, 0], height_axis = [0, 0, 1] }}\n"
+            )
+        };
+        work.write("copied.toml", scene(&shown.stdout));
+        work.write("named.toml", scene(&format!("[fabric.{name}]\nkind = \"library\"\nname = \"{name}\"")));
+        let [copied, named] = ["copied", "named"].map(|scene| {
+            let outcome = work.muslin(&format!("check {scene}.toml"));
+            outcome.assert_success();
+            let lines = outcome.stdout.lines().filter(|line| !line.contains("estimated cost"));
+            lines.map(str::to_owned).collect::<Vec<_>>()
+        });
+        assert_eq!(copied, named);
+    }
+    let outcome = work.muslin("fabric show cotton");
+    outcome.assert_failure(
+        2,
+        "error: there is no fabric `cotton`\n  help: fabrics: nylon-heat-bondable, typical-cotton-broadcloth, \
+         typical-polyester-faille, typical-polyester-tropical, typical-suiting, typical-wool-tropical",
+    );
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::grid_laws::{GridLaws, Lines, SpringGroup};
 use super::grid_stiffness::AddTensors;
 use super::grid_strains::{self, RaiseMaxStrains};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
@@ -12,7 +13,7 @@ use super::{
 };
 use crate::InstructionSet;
 use crate::model::Grid;
-use crate::scene::{ForceDirection, SpringsFabric};
+use crate::scene::ForceDirection;
 use crate::{Points, PointsMut};
 
 /// The structural, shear and bend springs of one grid.
@@ -26,15 +27,16 @@ pub struct GridSprings {
     instructions: InstructionSet,
 }
 
-/// The springs of one family: a law and the places of the neighbours.
+/// The springs of one group: a law, the places of the neighbours, and the lines that they lie in.
 #[derive(Clone, Debug)]
 pub(super) struct GridFamily {
     pub(super) family: Family,
     pub(super) law: SpringLaw,
     direction: ForceDirection,
     neighbours: Vec<Neighbour>,
-    /// Rest lengths [m] of the two springs that each particle has.
-    rest_lengths: [f64; 2],
+    /// Rest lengths [m] of the springs of the family's first and second direction, where the group has them.
+    rest_lengths: [Option<f64>; 2],
+    pub(super) lines: Lines,
 }
 
 /// A neighbour's place in the grid, relative to a particle's.
@@ -51,30 +53,35 @@ pub(super) struct RowPair {
     pub(super) other: Range<usize>,
 }
 
+impl RowPair {
+    /// The springs in `columns`, if there are any.
+    fn part(&self, columns: Range<usize>) -> Option<Self> {
+        let part = |particles: &Range<usize>| particles.start + columns.start..particles.start + columns.end;
+        (!columns.is_empty()).then(|| Self { own: part(&self.own), other: part(&self.other) })
+    }
+}
+
 impl GridSprings {
-    /// The springs that `fabric` gives `grid`, evaluated with `instructions`.
+    /// The springs of `grid` under `laws`, evaluated with `instructions`.
     #[must_use]
-    pub fn new(grid: Grid, fabric: &SpringsFabric, instructions: InstructionSet) -> Self {
-        let families = [
-            (Family::Structural, &fabric.structural, [(-1, 0), (1, 0), (0, -1), (0, 1)]),
-            (Family::Shear, &fabric.shear, [(-1, -1), (1, -1), (-1, 1), (1, 1)]),
-            (Family::Bend, &fabric.bend, [(-2, 0), (2, 0), (0, -2), (0, 2)]),
-        ];
-        let families = families
-            .into_iter()
-            .filter(|(_, settings, _)| settings.has_springs())
-            .map(|(family, settings, places)| {
-                let neighbours = places.map(|(columns, rows)| Neighbour::new(&grid, columns, rows));
-                GridFamily {
-                    family,
-                    law: SpringLaw::new(settings),
-                    direction: fabric.force_direction,
-                    rest_lengths: [neighbours[1].rest_length, neighbours[3].rest_length],
-                    neighbours: neighbours.to_vec(),
-                }
-            })
-            .collect();
-        Self { grid, families, instructions }
+    pub fn new(grid: Grid, laws: GridLaws, instructions: InstructionSet) -> Self {
+        let direction = laws.direction;
+        let groups = laws.groups.into_iter().map(|SpringGroup { family, law, neighbours, lines }| {
+            let neighbours: Vec<Neighbour> =
+                neighbours.into_iter().map(|(columns, rows)| Neighbour::new(&grid, columns, rows)).collect();
+            let ahead = |is_second: bool| {
+                let mut ahead = neighbours.iter().filter(|neighbour| neighbour.is_ahead());
+                ahead.find(|neighbour| neighbour.is_second() == is_second).map(|found| found.rest_length)
+            };
+            let rest_lengths = [ahead(false), ahead(true)];
+            GridFamily { family, law, direction, neighbours, rest_lengths, lines }
+        });
+        Self { grid, families: groups.collect(), instructions }
+    }
+
+    /// The groups of springs, but for those along edges that are half as stiff as others of their kind.
+    pub(super) fn swept(&self) -> impl Iterator<Item = &GridFamily> {
+        self.families.iter().filter(|group| group.lines != Lines::Edges)
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
@@ -83,7 +90,7 @@ impl GridSprings {
         for family in &self.families {
             for row in 0..self.grid.rows {
                 for neighbour in family.neighbours.iter().filter(|neighbour| neighbour.is_ahead()) {
-                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         visit(family, pair, neighbour.rest_length);
                     }
                 }
@@ -102,10 +109,10 @@ impl GridSprings {
         for family in &self.families {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
-                    if let Some(pair) = &neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         let (rest_length, direction) = (neighbour.rest_length, family.direction);
                         let offset = block.start;
-                        visit(family, SpringRow { at, pair, offset, rest_length, direction });
+                        visit(family, SpringRow { at, pair: &pair, offset, rest_length, direction });
                     }
                 }
             }
@@ -122,7 +129,7 @@ impl GridSprings {
         for family in &self.families {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
-                    if let Some(pair) = neighbour.row_pair(&self.grid, row) {
+                    for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
                         for (own, other) in pair.own.zip(pair.other) {
                             visit(family, own, other, neighbour.rest_length);
                         }
@@ -140,10 +147,15 @@ impl GridFamily {
         self.law.is_linear() && self.direction == ForceDirection::CurrentLength
     }
 
-    /// A spring of the family's first or second [direction](RowSweep), under its `law`.
+    /// A spring of the family's first or second direction under its `law`, if the group has such springs.
     #[inline(always)]
-    pub(super) fn spring_of<L: TensionLaw>(&self, law: L, index: usize) -> Spring<L> {
-        Spring { law, rest_length: self.rest_lengths[index], direction: self.direction }
+    pub(super) fn spring_of<L: TensionLaw>(&self, law: L, index: usize) -> Option<Spring<L>> {
+        self.rest_lengths[index].map(|rest_length| Spring { law, rest_length, direction: self.direction })
+    }
+
+    /// Whether it has springs of the family's first or second direction.
+    pub(super) fn has_direction(&self, index: usize) -> bool {
+        self.rest_lengths[index].is_some()
     }
 
     /// A spring of `rest_length` [m].
@@ -158,9 +170,32 @@ impl Neighbour {
         Self { columns, rows, rest_length: (across * across + along * along).sqrt() }
     }
 
+    /// Whether it is in the second of the two directions that the springs of a family have: down a column, or down and back.
+    fn is_second(&self) -> bool {
+        self.columns <= 0
+    }
+
     /// Whether this end numbers the spring: one of two opposite neighbours does.
     fn is_ahead(&self) -> bool {
         0 < self.rows || (self.rows == 0 && 0 < self.columns)
+    }
+
+    /// The particles of `row` that have this neighbour, as far as the springs between them lie in `lines`.
+    fn row_pairs(&self, grid: &Grid, row: usize, lines: Lines) -> impl Iterator<Item = RowPair> + use<> {
+        let is_edge = row == 0 || row + 1 == grid.rows;
+        let pair = self.row_pair(grid, row);
+        let columns = grid.columns;
+        let pairs = match (lines, self.rows == 0) {
+            (Lines::All, _) => [pair, None],
+            (Lines::Inner, true) => [pair.filter(|_| !is_edge), None],
+            (Lines::Edges, true) => [pair.filter(|_| is_edge), None],
+            (Lines::Inner, false) => [pair.and_then(|pair| pair.part(1..columns.max(2) - 1)), None],
+            (Lines::Edges, false) => [
+                pair.as_ref().and_then(|pair| pair.part(0..1)),
+                pair.and_then(|pair| pair.part(columns.max(2) - 1..columns)),
+            ],
+        };
+        pairs.into_iter().flatten()
     }
 
     /// The particles of `row` that have this neighbour, or `None` if there are none.

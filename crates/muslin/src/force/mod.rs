@@ -4,7 +4,9 @@
 //! computes from that particle's neighbours in a fixed order, so that no division of work among threads changes a sum.
 
 mod aerodynamic;
+mod bending;
 mod gravity;
+mod grid_laws;
 mod grid_springs;
 mod grid_stiffness;
 mod grid_strains;
@@ -20,10 +22,12 @@ use std::fmt;
 use std::ops::Range;
 
 pub use aerodynamic::AerodynamicWind;
+pub use bending::GridBending;
 pub use gravity::Gravity;
+pub use grid_laws::{GridLaws, Lines, SpringGroup};
 pub use grid_springs::GridSprings;
 pub use gust::Gust;
-pub use law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use law::{ArctangentLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw, TensionLaw};
 pub use noise::{Noise, RandomStream};
 pub use row_sweep::Sweep;
 pub use spring::{Spring, SpringLength};
@@ -76,7 +80,7 @@ impl Family {
 /// Potential energies [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PotentialEnergies {
-    /// Of springs, per family in the order of [`Family::ALL`].
+    /// Of springs, per family in the order of [`Family::ALL`]; that of bending is also the energy of a [rigidity](GridBending).
     pub elastic: [f64; 3],
     /// Of gravity; zero at the origin.
     pub gravitational: f64,

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::Configuration;
+use super::grid_laws::Lines;
 use super::grid_springs::{GridFamily, GridSprings, columns};
 use super::law::{LawVisitor, TensionLaw};
 use super::spring::{Spring, SpringLength};
@@ -142,11 +143,13 @@ impl RowPass<'_> {
         let columns = self.springs.grid.columns;
         self.sweep.springs.resize(SHAPES.len(), [TileSprings::ZERO, TileSprings::ZERO]);
         for (index, springs) in self.sweep.springs.iter_mut().enumerate() {
-            // A family without springs has none in any row; what another grid left must not count as such.
-            let is_absent = !self.springs.families.iter().any(|family| family.family as usize == index);
-            let end = if is_absent { PAD + TILE } else { PAD };
-            let arrays = springs.iter_mut().flat_map(TileSprings::arrays);
-            arrays.for_each(|values| values[PAD - 2..end].fill(0.0));
+            for (direction, springs) in springs.iter_mut().enumerate() {
+                // Where there are no springs, what another grid left must not count as some.
+                let mut groups = self.springs.swept().filter(|group| group.family as usize == index);
+                let has_any = groups.any(|group| group.has_direction(direction));
+                let end = if has_any { PAD } else { PAD + TILE };
+                springs.arrays().into_iter().for_each(|values| values[PAD - 2..end].fill(0.0));
+            }
         }
         for Pending { forces, bounds } in &mut self.sweep.pending {
             if forces.len() != columns {
@@ -172,7 +175,7 @@ impl RowPass<'_> {
         for tile in 0..tiles {
             let tile =
                 Tile { rows: rows.clone(), columns: tile * columns / tiles..(tile + 1) * columns / tiles };
-            for family in &self.springs.families {
+            for family in self.springs.swept() {
                 let springs = &mut self.sweep.springs[family.family as usize];
                 let (springs_of, at, tile) = (self.springs, self.at, &tile);
                 if self.is_bounded && !family.has_constant_stiffness() {
@@ -305,11 +308,13 @@ impl RowPass<'_> {
             after.bounds.fill(0.0);
         }
         let first = PAD + if tile.rows.len() > 1 { first } else { 0 };
-        for family in self.springs.families.iter().filter(|family| !family.has_constant_stiffness()) {
+        for family in self.springs.swept().filter(|family| !family.has_constant_stiffness()) {
             let index = family.family as usize;
-            for (shape, springs) in SHAPES[index].iter().zip(&self.sweep.springs[index]) {
+            for (direction, shape) in SHAPES[index].iter().enumerate() {
+                let springs = &self.sweep.springs[index][direction];
                 let end = tile.columns.end.min(grid.columns.saturating_sub(shape.reach()));
-                if end <= tile.columns.start || grid.rows <= row + shape.rows {
+                let exists = family.has_direction(direction) && row + shape.rows < grid.rows;
+                if !exists || end <= tile.columns.start {
                     continue;
                 }
                 let count = end - tile.columns.start;
@@ -363,15 +368,16 @@ struct EvalSprings<'a, const LANES: usize, const BOUNDED: bool> {
 impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LANES, BOUNDED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        let Self { grid, tile: Tile { rows, columns }, family, at, springs } = self;
+        let Self { grid, tile, family, at, springs } = self;
+        let Tile { rows, columns } = tile;
         let shapes = &SHAPES[family.family as usize];
         for (index, (shape, springs)) in shapes.iter().zip(springs.iter_mut()).enumerate() {
+            let Some(spring) = family.spring_of(&law, index) else { continue };
             let rows_end = rows.end.min(grid.rows.saturating_sub(shape.rows));
             let columns_end = columns.end.min(grid.columns.saturating_sub(shape.reach()));
             let mut count = 0;
             if rows.start < rows_end && columns.start < columns_end {
                 count = (rows_end - 1 - rows.start) * grid.columns + columns_end - columns.start;
-                let spring = family.spring_of(&law, index);
                 let own = grid.particle(columns.start + shape.own, rows.start);
                 let other = grid.particle(columns.start + shape.other, rows.start + shape.rows);
                 let Points { x, y, z } = at.positions;
@@ -392,6 +398,25 @@ impl<const LANES: usize, const BOUNDED: bool> LawVisitor for EvalSprings<'_, LAN
                 for value in &mut values[PAD + count..end] {
                     *value = 0.0;
                 }
+            }
+            if family.lines == Lines::Inner {
+                halve_edges(&grid, tile, shape, springs);
+            }
+        }
+    }
+}
+
+/// Halves the springs that lie along the edges of a grid: they stand for half as wide a strip of cloth.
+fn halve_edges(grid: &Grid, tile: &Tile, shape: &Shape, springs: &mut TileSprings) {
+    let Tile { rows, columns } = tile;
+    for values in springs.arrays() {
+        for row in rows.clone() {
+            let values = &mut values[PAD + (row - rows.start) * columns.len()..][..columns.len()];
+            if shape.rows > 0 {
+                let ends = [(columns.start == 0, 0), (columns.end == grid.columns, columns.len() - 1)];
+                ends.iter().filter(|(is_edge, _)| *is_edge).for_each(|(_, column)| values[*column] *= 0.5);
+            } else if row == 0 || row + 1 == grid.rows {
+                values.iter_mut().for_each(|value| *value *= 0.5);
             }
         }
     }

@@ -164,7 +164,7 @@ impl<L: TensionLaw> Spring<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::law::{ArctangentLaw, CurveLaw, LinearLaw, SpringLaw, TangentLaw};
+    use super::super::law::{ArctangentLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw};
     use super::*;
     use crate::scene::TensionCurve;
 
@@ -172,7 +172,7 @@ mod tests {
     const REST_LENGTH: f64 = 0.8;
 
     /// Every law; a new one belongs here.
-    fn laws() -> [SpringLaw; 6] {
+    fn laws() -> [SpringLaw; 7] {
         [
             SpringLaw::Linear(LinearLaw { stiffness: 250.0 }),
             SpringLaw::Tangent(TangentLaw::new(250.0, 0.06)),
@@ -180,6 +180,10 @@ mod tests {
             SpringLaw::Arctangent(ArctangentLaw { stiffness: 250.0 }),
             curve(&[[0.01, 1.0], [0.03, 6.0], [0.07, 18.0], [0.08, 18.0], [0.2, 60.0]]),
             curve(&[[-0.5, -40.0], [-0.1, -20.0], [0.0, 0.0], [0.05, 9.0], [0.1, 40.0]]),
+            SpringLaw::ReducedTangent(ReducedLaw {
+                whole: TangentLaw::with_initial_stiffness(250.0, 0.06),
+                carried: 90.0,
+            }),
         ]
     }
 

@@ -15,7 +15,10 @@ pub use particles::{ParticleRun, Particles};
 pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
-use crate::force::{AerodynamicWind, Force, Gravity, GridSprings, Gust, Noise, ParticleWind, RandomStream};
+use crate::force::{
+    AerodynamicWind, Force, Gravity, GridBending, GridLaws, GridSprings, Gust, Noise, ParticleWind,
+    RandomStream,
+};
 use crate::limit::{GridLimit, Limit};
 use crate::scene::{Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings};
 use crate::{InstructionSet, Points, State};
@@ -70,8 +73,15 @@ impl Model {
         }
         for settings in scene.cloths() {
             let grid = Grid::new(particles.len(), settings.grid);
-            let Fabric::Springs(fabric) = &scene.fabrics()[&settings.fabric];
-            particles.extend(grid.particle_count(), fabric.particle_mass, fabric.drag);
+            let fabric = &scene.fabrics()[&settings.fabric];
+            match fabric {
+                Fabric::Springs(fabric) => {
+                    particles.extend(grid.particle_count(), fabric.particle_mass, fabric.drag);
+                }
+                Fabric::Measured(fabric) => {
+                    particles.extend_by_area(&grid, fabric.areal_density, fabric.drag);
+                }
+            }
             for pin in &settings.pins {
                 let motion = pin.motion.as_ref().map(PinMotion::new);
                 let mut hold = |column: usize, row: usize| {
@@ -87,9 +97,22 @@ impl Model {
                     PinPlace::Column(column) => (0..grid.rows).for_each(|row| hold(column, row)),
                 }
             }
-            forces.push(Box::new(GridSprings::new(grid, fabric, instructions)));
-            if let Some(limit) = GridLimit::new(grid, fabric) {
-                limits.push(Box::new(limit));
+            match fabric {
+                Fabric::Springs(fabric) => {
+                    let laws = GridLaws::of_springs(fabric);
+                    forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
+                    if let Some(limit) = GridLimit::new(grid, fabric) {
+                        limits.push(Box::new(limit));
+                    }
+                }
+                Fabric::Measured(fabric) => {
+                    let laws = GridLaws::of_measured(fabric, &grid);
+                    forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
+                    let bending = GridBending::new(grid, fabric.bending, &particles);
+                    if !bending.is_zero() {
+                        forces.push(Box::new(bending));
+                    }
+                }
             }
             cloths.push(Cloth { name: settings.name.clone(), grid });
         }

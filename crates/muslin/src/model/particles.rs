@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::Grid;
+
 /// Mass, drag and pins of all particles.
 ///
 /// Invariants: the arrays have the same length; masses are positive and drags not negative.
@@ -97,6 +99,19 @@ impl Particles {
         self.masses.resize(len, mass);
         self.drags.resize(len, drag);
         self.pinned.resize(len, false);
+    }
+
+    /// Appends the free particles of `grid`, with masses and drags of a sheet of `areal_density` [kg/m²] and `areal_drag`
+    /// [kg/(s m²)]: of a cell's area each, of half of it along an edge and a quarter at a corner.
+    pub(crate) fn extend_by_area(&mut self, grid: &Grid, areal_density: f64, areal_drag: f64) {
+        let share = |index: usize, count: usize| if index == 0 || index + 1 == count { 0.5 } else { 1.0 };
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let width = share(column, grid.columns) * grid.column_spacing;
+                let area = width * (share(row, grid.rows) * grid.row_spacing);
+                self.extend(1, areal_density * area, areal_drag * area);
+            }
+        }
     }
 
     /// Pins `particle`; whether it was free.

@@ -25,7 +25,7 @@ pub struct EnergyTerms {
     pub elastic_structural: f64,
     /// Of shear springs.
     pub elastic_shear: f64,
-    /// Of bend springs.
+    /// Of bending: of bend springs, or of a measured fabric's rigidity.
     pub elastic_bend: f64,
     /// −Σ m g · x, zero at the origin.
     pub gravitational: f64,

@@ -9,7 +9,7 @@ const LARGEST_STRAIN: f64 = 10.0;
 /// Sizes of tensions [N] unless they are zero.
 const TENSIONS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
-/// Points of tension against strain, as measured.
+/// Points of tension against strain, as measured: of a spring [N], or of a fabric per width [N/m].
 ///
 /// Invariants: at least two points; strains ascend by at least 1e-9 and lie above −1 and at or below 10; tensions never
 /// fall; the point (0, 0) is among them and is not the last; tension rises from it, and to it if it is not the first.
@@ -35,13 +35,25 @@ pub struct TensionCurveError {
 }
 
 impl TensionCurve {
-    /// The curve through `points` of strain [1] and tension [N].
+    /// The curve through `points` of strain [1] and tension [N] of a spring.
     ///
     /// A table whose first strain is above zero is started at (0, 0).
     ///
     /// # Errors
     /// The first rule of the invariants that a point breaks.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, TensionCurveError> {
+        Self::checked(points, "N")
+    }
+
+    /// The curve through `points` of strain [1] and tension per width [N/m] of a fabric.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn per_width(points: &[[f64; 2]]) -> Result<Self, TensionCurveError> {
+        Self::checked(points, "N/m")
+    }
+
+    fn checked(points: &[[f64; 2]], unit: &'static str) -> Result<Self, TensionCurveError> {
         let is_started = points.first().is_some_and(|&[strain, _]| 0.0 < strain);
         let origin = is_started.then_some([0.0, 0.0]);
         // −0 is 0: neighbours may be compared bit by bit.
@@ -49,31 +61,40 @@ impl TensionCurve {
         let curve = Self { points: origin.into_iter().chain(rows).collect() };
         let offset = usize::from(is_started);
         curve
-            .check()
+            .check(unit)
             .map_err(|error| TensionCurveError { point: error.point.saturating_sub(offset), ..error })?;
         Ok(curve)
     }
 
-    /// Strain [1] and tension [N] of every point, strains ascending.
+    /// The curve of `width` [m] of a fabric with this tension per width [N/m], less `modulus` [N/m] times the strain.
+    ///
+    /// The modulus is less than the slope of any part, and the width positive, so that the invariants stay.
+    pub(crate) fn reduced(&self, modulus: f64, width: f64) -> Self {
+        let points =
+            self.points.iter().map(|&[strain, tension]| [strain, width * (tension - modulus * strain)]);
+        Self { points: points.collect() }
+    }
+
+    /// Strain [1] and tension [N], or N/m if it is per width, of every point, strains ascending.
     #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
 
-    fn check(&self) -> Result<(), TensionCurveError> {
+    fn check(&self, unit: &str) -> Result<(), TensionCurveError> {
         for (point, &[strain, tension]) in self.points.iter().enumerate() {
-            check_sizes(point, strain, tension)?;
+            check_sizes(point, strain, tension, unit)?;
             if let Some(&[strain_before, tension_before]) =
                 point.checked_sub(1).and_then(|i| self.points.get(i))
             {
-                check_order(point, [strain_before, tension_before], [strain, tension])?;
+                check_order(point, [strain_before, tension_before], [strain, tension], unit)?;
             }
         }
-        self.check_rest()
+        self.check_rest(unit)
     }
 
     /// The point at rest, and what is beside it.
-    fn check_rest(&self) -> Result<(), TensionCurveError> {
+    fn check_rest(&self, unit: &str) -> Result<(), TensionCurveError> {
         let fault = |point: usize, coordinate: usize, value: String, rule: &str, help: &'static str| {
             Err(TensionCurveError { point, coordinate, value, rule: rule.to_owned(), help })
         };
@@ -86,7 +107,7 @@ impl TensionCurve {
                 return fault(
                     rest,
                     1,
-                    format!("is {tension:?} N"),
+                    format!("is {tension:?} {unit}"),
                     rule,
                     "take off the tension of the empty instrument",
                 );
@@ -109,7 +130,7 @@ impl TensionCurve {
             return fault(
                 rest + 1,
                 1,
-                "is still 0 N".to_owned(),
+                format!("is still 0 {unit}"),
                 rule,
                 "leave out points of the slack before the fabric resists",
             );
@@ -120,7 +141,7 @@ impl TensionCurve {
                 fault(
                     rest - 1,
                     1,
-                    "is 0 N".to_owned(),
+                    format!("is 0 {unit}"),
                     rule,
                     "leave out the points below strain 0, and compression is linear",
                 )
@@ -130,7 +151,7 @@ impl TensionCurve {
     }
 }
 
-fn check_sizes(point: usize, strain: f64, tension: f64) -> Result<(), TensionCurveError> {
+fn check_sizes(point: usize, strain: f64, tension: f64, unit: &str) -> Result<(), TensionCurveError> {
     let fault = |coordinate: usize, value: String, rule: &str, help: &'static str| {
         Err(TensionCurveError { point, coordinate, value, rule: rule.to_owned(), help })
     };
@@ -148,8 +169,8 @@ fn check_sizes(point: usize, strain: f64, tension: f64) -> Result<(), TensionCur
     }
     let is_quantity = tension == 0.0 || TENSIONS.contains(&tension.abs());
     if !is_quantity {
-        let rule = "must be 0 or from 1e-30 to 1e30 N in size";
-        return fault(1, format!("is {tension:?} N"), rule, "write it in newtons");
+        let rule = format!("must be 0 or from 1e-30 to 1e30 {unit} in size");
+        return fault(1, format!("is {tension:?} {unit}"), &rule, "see that it is in the unit of its column");
     }
     Ok(())
 }
@@ -157,7 +178,7 @@ fn check_sizes(point: usize, strain: f64, tension: f64) -> Result<(), TensionCur
 const PER_CENT: &str =
     "head the column `strain [%]` if it is in per cent; see that the columns stand below their names";
 
-fn check_order(point: usize, before: [f64; 2], at: [f64; 2]) -> Result<(), TensionCurveError> {
+fn check_order(point: usize, before: [f64; 2], at: [f64; 2], unit: &str) -> Result<(), TensionCurveError> {
     let [strain_before, tension_before] = before;
     let [strain, tension] = at;
     let fault = |coordinate: usize, value: String, rule: String, help: &'static str| {
@@ -169,9 +190,9 @@ fn check_order(point: usize, before: [f64; 2], at: [f64; 2]) -> Result<(), Tensi
         return fault(0, format!("is {strain:?}"), rule, help);
     }
     if tension < tension_before {
-        let rule = format!("must not be below the {tension_before:?} N before it");
+        let rule = format!("must not be below the {tension_before:?} {unit} before it");
         let help = "smooth what is noise, and leave out what comes after the fabric tears";
-        return fault(1, format!("is {tension:?} N"), rule, help);
+        return fault(1, format!("is {tension:?} {unit}"), rule, help);
     }
     Ok(())
 }

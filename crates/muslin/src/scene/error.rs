@@ -119,16 +119,6 @@ pub enum SceneErrorKind {
         /// Path of the table that had it first.
         other: String,
     },
-    /// Something that the scene file provides for, but not yet this version.
-    #[error("`{key}` asks for {what}, which this version does not have")]
-    NotAvailable {
-        /// Path of the value.
-        key: String,
-        /// What is asked for.
-        what: &'static str,
-        /// What to write instead.
-        help: &'static str,
-    },
     /// A file that the scene names cannot be read.
     #[error("`{key}` names the file {file}, but {reason}")]
     UnreadableFile {
@@ -222,9 +212,7 @@ impl SceneError {
                 format!("{}valid names: {}", closest.unwrap_or_default(), listed(valid))
             }
             SceneErrorKind::DuplicateName { .. } => "give every cloth its own name".to_owned(),
-            SceneErrorKind::NotAvailable { help, .. } | SceneErrorKind::UnreadableFile { help, .. } => {
-                (*help).to_owned()
-            }
+            SceneErrorKind::UnreadableFile { help, .. } => (*help).to_owned(),
             SceneErrorKind::Missing { help, .. }
             | SceneErrorKind::WrongType { help, .. }
             | SceneErrorKind::OutOfRange { help, .. }

@@ -6,6 +6,8 @@ mod edit;
 mod error;
 mod excerpt;
 mod keyframes;
+mod library;
+mod measured;
 mod read;
 mod settings;
 
@@ -14,6 +16,11 @@ pub use data::{DataFile, MAX_DATA_BYTES};
 pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
 pub use keyframes::{Keyframe, Keyframes, KeyframesError};
+pub use library::LibraryFabric;
+pub use measured::{
+    BendingRigidity, KesTensile, KesTensileError, MeasuredFabric, MembraneTension,
+    rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian,
+};
 pub use settings::*;
 
 /// The longest scene text [B] that [`Scene::parse`] reads.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::read::{joined, rounded};
-use super::{DataFile, Keyframes, TensionCurve};
+use super::{DataFile, Keyframes, MeasuredFabric, TensionCurve};
 
 /// Tolerance relative to the distance of neighbours above which it is loose: errors of a tenth in every frame are strains
 /// of a tenth.
@@ -99,8 +99,7 @@ impl Scene {
         });
         let is_used = |name: &str| self.cloths.iter().any(|cloth| cloth.fabric == name);
         let of_limits = self.fabrics.iter().filter(|(name, _)| is_used(name)).filter_map(|(name, fabric)| {
-            let Fabric::Springs(fabric) = fabric;
-            let effect = match fabric.limit? {
+            let effect = match fabric.limit()? {
                 LimitSettings::CutOff { .. } => {
                     "shortens springs that are too long after each step, so where it acts the motion depends on the step"
                 }
@@ -247,6 +246,28 @@ pub struct NoiseSettings {
 pub enum Fabric {
     /// `kind = "springs"`: one constant per spring and particle, as the paper writes them.
     Springs(SpringsFabric),
+    /// `kind = "measured"`: constants per width and area, independent of the grid.
+    Measured(MeasuredFabric),
+}
+
+impl Fabric {
+    /// Whether a cloth of more than one particle has structural springs.
+    #[must_use]
+    pub fn has_structural_springs(&self) -> bool {
+        match self {
+            Self::Springs(fabric) => fabric.structural.has_springs(),
+            Self::Measured(_) => true,
+        }
+    }
+
+    /// What corrects springs that are too long, if anything does.
+    #[must_use]
+    pub fn limit(&self) -> Option<LimitSettings> {
+        match self {
+            Self::Springs(fabric) => fabric.limit,
+            Self::Measured(_) => None,
+        }
+    }
 }
 
 /// A fabric of kind `"springs"`.

@@ -1,6 +1,7 @@
 //! Scenes made of numbers, and observers, for the test binaries.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+mod measured;
 pub(crate) mod random_scene;
 pub(crate) mod setup;
 pub(crate) mod spectrum;
@@ -95,6 +96,8 @@ pub(crate) struct ClothNumbers {
     pub(crate) laws: [&'static str; 3],
     /// The limit, as in a scene file, if there is one.
     pub(crate) limit: Option<&'static str>,
+    /// Whether the fabric is measured: one with these numbers inside of the grid. It has no limit.
+    pub(crate) is_measured: bool,
 }
 
 /// A displacement A sin(2π f t + φ) along an axis.
@@ -178,6 +181,7 @@ impl Default for ClothNumbers {
             stiffnesses: [60.0, 20.0, 2.0],
             laws: [LINEAR; 3],
             limit: None,
+            is_measured: false,
         }
     }
 }
@@ -239,6 +243,9 @@ impl SceneNumbers {
     /// The data file that the text calls `name`.
     fn data_file(&self, name: &str) -> Result<Vec<u8>, String> {
         for (index, cloth) in self.cloths.iter().enumerate() {
+            if let Some(bytes) = cloth.measured_file(index, name).filter(|_| cloth.is_measured) {
+                return Ok(bytes);
+            }
             if let Some(family) = (0..3).find(|&family| curve_name(index, family) == name) {
                 let scale = cloth.stiffnesses[family] * cloth.smallest_rest_length();
                 let lines =
@@ -267,7 +274,26 @@ impl WindNumbers {
 
 impl ClothNumbers {
     fn add_text(&self, index: usize, text: &mut String) {
-        let Self { columns, rows, width, height, origin, width_axis, height_axis, mass, drag, .. } = self;
+        let Self { columns, rows, width, height, origin, width_axis, height_axis, .. } = self;
+        let fabric = if self.is_measured { self.measured_text(index) } else { self.springs_text(index) };
+        let motion = self.motion.as_ref().map(SineNumbers::text).unwrap_or_default();
+        let pins =
+            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row}{motion} }}"));
+        let pins: Vec<String> = pins.collect();
+        let _ = write!(
+            text,
+            "[fabric.fabric{index}]\n{fabric}\
+             [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
+             grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
+             place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\
+             pins = [{}]\n",
+            pins.join(", "),
+        );
+    }
+
+    /// The table of a fabric of springs but for its name, as in a scene file.
+    fn springs_text(&self, index: usize) -> String {
+        let Self { mass, drag, .. } = self;
         let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
         let springs = [0, 1, 2].map(|family| match (self.stiffnesses[family], self.laws[family]) {
             (stiffness, CURVE) if 0.0 < stiffness => {
@@ -277,22 +303,11 @@ impl ClothNumbers {
             (stiffness, law) => format!("{} = {{ stiffness = {stiffness:?}, {law} }}", FAMILIES[family]),
         });
         let limit = self.limit.map(|limit| format!("limit = {limit}\n")).unwrap_or_default();
-        let motion = self.motion.as_ref().map(SineNumbers::text).unwrap_or_default();
-        let pins =
-            self.pins.iter().map(|(column, row)| format!("{{ column = {column}, row = {row}{motion} }}"));
-        let pins: Vec<String> = pins.collect();
-        let _ = write!(
-            text,
-            "[fabric.fabric{index}]\nkind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
-             force_direction = \"{direction}\"\n\
-             {}\n{limit}\
-             [[cloth]]\nname = \"cloth{index}\"\nfabric = \"fabric{index}\"\n\
-             grid = {{ columns = {columns}, rows = {rows}, width = {width:?}, height = {height:?} }}\n\
-             place = {{ origin = {origin:?}, width_axis = {width_axis:?}, height_axis = {height_axis:?} }}\n\
-             pins = [{}]\n",
-            springs.join("\n"),
-            pins.join(", "),
-        );
+        format!(
+            "kind = \"springs\"\nparticle_mass = {mass:?}\ndrag = {drag:?}\n\
+             force_direction = \"{direction}\"\n{}\n{limit}",
+            springs.join("\n")
+        )
     }
 
     /// The rest length [m] of the shortest spring.

@@ -278,6 +278,15 @@ fn bits_in_air_do_not_depend_on_threads() {
     assert_bits_on_threads("inline-large-flutter", &large(flutter().airs).scene());
 }
 
+/// Bending reaches over two rows, so that rows at the ends of a block have neighbours in the next.
+#[test]
+fn bits_of_measured_cloth_do_not_depend_on_threads() {
+    let mut numbers = large(Vec::new());
+    let cloth = &mut numbers.cloths[0];
+    (cloth.is_measured, cloth.laws[0]) = (true, "law = \"tangent\", strain_scale = 0.06");
+    assert_bits_on_threads("inline-large-measured", &with_rule(StepNumbers::Adaptive, numbers).scene());
+}
+
 fn assert_bits_on_threads(name: &str, scene: &Scene) {
     assert!(3 <= simulation(scene, Workers::single()).model().blocks().len(), "blocks to share");
     let mut recorders = [1, 2, 3].map(|threads| {

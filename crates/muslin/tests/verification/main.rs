@@ -7,6 +7,7 @@ mod common;
 
 mod adaptive;
 mod aerodynamics;
+mod cantilever;
 mod catenary;
 mod conservation;
 mod energy;
@@ -16,6 +17,7 @@ mod flutter;
 mod hanging_chain;
 mod laws;
 mod limits;
+mod measured;
 mod membrane;
 mod moduli;
 mod order;

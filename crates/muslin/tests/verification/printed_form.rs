@@ -257,6 +257,9 @@ proptest! {
 
     #[test]
     fn any_cloth_agrees(numbers in random_scene()) {
+        let mut numbers = numbers;
+        // The paper has springs alone.
+        numbers.cloths[0].is_measured = false;
         let difference = max_difference(&numbers);
         prop_assert!(difference < TOLERANCE, "{difference:e} m");
     }

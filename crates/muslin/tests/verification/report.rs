@@ -119,7 +119,7 @@ fn small(error: f64, tolerance: f64) -> String {
 }
 
 /// Every problem, in the order of the book.
-const PROBLEMS: [&LazyLock<Problem>; 14] = [
+const PROBLEMS: [&LazyLock<Problem>; 16] = [
     &crate::falling::PROBLEM,
     &crate::oscillator::PROBLEM,
     &crate::hanging_chain::PROBLEM,
@@ -130,6 +130,8 @@ const PROBLEMS: [&LazyLock<Problem>; 14] = [
     &crate::laws::PROBLEM,
     &crate::picture_frame::PROBLEM,
     &crate::moduli::PROBLEM,
+    &crate::measured::PROBLEM,
+    &crate::cantilever::PROBLEM,
     &crate::conservation::PROBLEM,
     &crate::energy::PROBLEM,
     &crate::order::PROBLEM,

@@ -3,15 +3,17 @@
 mod arctangent;
 mod curve;
 mod linear;
+mod reduced;
 mod tangent;
 
 pub use arctangent::ArctangentLaw;
 pub use curve::CurveLaw;
 pub use linear::LinearLaw;
+pub use reduced::ReducedLaw;
 pub use tangent::TangentLaw;
 
 use super::spring::SpringLength;
-use crate::scene::{SpringLawSettings, SpringSettings};
+use crate::scene::{SpringLawSettings, SpringSettings, TensionCurve};
 
 /// Tension of a spring against its extension.
 ///
@@ -79,7 +81,7 @@ impl<L: TensionLaw> TensionLaw for &L {
     }
 }
 
-/// Any law that a scene can name.
+/// Any law that a scene can ask for.
 ///
 /// It is a law itself; loops over many springs match it once and use the law inside.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,8 @@ pub enum SpringLaw {
     Arctangent(ArctangentLaw),
     /// `"curve"`
     Curve(CurveLaw),
+    /// Of a measured fabric that stiffens, beside shear springs.
+    ReducedTangent(ReducedLaw<TangentLaw>),
 }
 
 impl SpringLaw {
@@ -105,8 +109,14 @@ impl SpringLaw {
                 Self::Tangent(TangentLaw::new(stiffness, strain_scale))
             }
             SpringLawSettings::ArctangentForce => Self::Arctangent(ArctangentLaw { stiffness }),
-            SpringLawSettings::Curve(ref curve) => Self::Curve(CurveLaw::new(curve)),
+            SpringLawSettings::Curve(ref curve) => Self::curve(curve),
         }
+    }
+
+    /// The law through the points of `curve`.
+    #[must_use]
+    pub fn curve(curve: &TensionCurve) -> Self {
+        Self::Curve(CurveLaw::new(curve))
     }
 
     /// Gives the law that it is to `visitor`, once for a loop over many springs.
@@ -118,6 +128,7 @@ impl SpringLaw {
             Self::Tangent(law) => visitor.visit(*law),
             Self::Arctangent(law) => visitor.visit(*law),
             Self::Curve(law) => visitor.visit(law),
+            Self::ReducedTangent(law) => visitor.visit(*law),
         }
     }
 
@@ -141,6 +152,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension(extension, rest_length),
             Self::Arctangent(law) => law.tension(extension, rest_length),
             Self::Curve(law) => law.tension(extension, rest_length),
+            Self::ReducedTangent(law) => law.tension(extension, rest_length),
         }
     }
 
@@ -150,6 +162,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tangent(extension, rest_length),
             Self::Arctangent(law) => law.tangent(extension, rest_length),
             Self::Curve(law) => law.tangent(extension, rest_length),
+            Self::ReducedTangent(law) => law.tangent(extension, rest_length),
         }
     }
 
@@ -159,6 +172,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Curve(law) => law.tension_and_tangent(extension, rest_length),
+            Self::ReducedTangent(law) => law.tension_and_tangent(extension, rest_length),
         }
     }
 
@@ -168,6 +182,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.tension_by_length(tension, at, rest_length),
             Self::Arctangent(law) => law.tension_by_length(tension, at, rest_length),
             Self::Curve(law) => law.tension_by_length(tension, at, rest_length),
+            Self::ReducedTangent(law) => law.tension_by_length(tension, at, rest_length),
         }
     }
 
@@ -177,6 +192,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.energy(extension, rest_length),
             Self::Arctangent(law) => law.energy(extension, rest_length),
             Self::Curve(law) => law.energy(extension, rest_length),
+            Self::ReducedTangent(law) => law.energy(extension, rest_length),
         }
     }
 
@@ -186,6 +202,7 @@ impl TensionLaw for SpringLaw {
             Self::Tangent(law) => law.energy_moment(extension, rest_length),
             Self::Arctangent(law) => law.energy_moment(extension, rest_length),
             Self::Curve(law) => law.energy_moment(extension, rest_length),
+            Self::ReducedTangent(law) => law.energy_moment(extension, rest_length),
         }
     }
 }

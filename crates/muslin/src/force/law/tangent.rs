@@ -42,7 +42,13 @@ impl TangentLaw {
     /// The law of `stiffness` k [N/m] and `strain_scale` a [1], both positive.
     #[must_use]
     pub fn new(stiffness: f64, strain_scale: f64) -> Self {
-        Self { initial_stiffness: stiffness / SLOPE, strain_scale }
+        Self::with_initial_stiffness(stiffness / SLOPE, strain_scale)
+    }
+
+    /// The law with the tangent `initial_stiffness` K₀ [N/m] at rest and `strain_scale` a [1], both positive.
+    #[must_use]
+    pub fn with_initial_stiffness(initial_stiffness: f64, strain_scale: f64) -> Self {
+        Self { initial_stiffness, strain_scale }
     }
 
     /// Tangent K₀ at rest [N/m].

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::pins;
 use super::table::{Entry, Table};
 use super::value::{NumberRule, Value, rounded};
+use super::{measured, pins};
 use crate::scene::data::DataFiles;
 use crate::scene::error::{SceneErrorKind, quoted};
 use crate::scene::{ClothSettings, Fabric, GridSettings, MAX_PARTICLES, Placement, SceneError};
@@ -62,11 +62,15 @@ fn read_cloth(
         return Err(name.out_of_range("", "have at least one character", ""));
     }
     let fabric = fabric.required("", "write `fabric = \"NAME\"` for a table `[fabric.NAME]`")?;
-    if !fabrics.contains_key(fabric.string()?) {
+    let Some(known) = fabrics.get(fabric.string()?) else {
         let names = fabrics.keys().map(String::as_str);
         return Err(fabric.unknown_name("no fabric has that name", names));
-    }
+    };
+    let grid_value = grid.clone().optional();
     let grid = read_grid(grid, free_particles)?;
+    if let Some(value) = grid_value {
+        measured::check_grid(fabric.string()?, known, grid, &value)?;
+    }
     Ok(ClothSettings {
         name: name.string()?.to_owned(),
         fabric: fabric.string()?.to_owned(),

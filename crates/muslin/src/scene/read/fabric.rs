@@ -2,12 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use super::table::Entry;
+use toml::de::DeTable;
+
+use super::table::{Entry, Table};
 use super::value::{NumberRule, Value};
-use super::{curve, limit};
+use super::{curve, limit, measured};
 use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
-use crate::scene::{Fabric, ForceDirection, SceneError, SpringLawSettings, SpringSettings, SpringsFabric};
+use crate::scene::{
+    Fabric, ForceDirection, LibraryFabric, MeasuredFabric, SceneError, SpringLawSettings, SpringSettings,
+    SpringsFabric,
+};
 
 pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<BTreeMap<String, Fabric>, SceneError> {
     let help = "add a table `[fabric.NAME]` with `kind = \"springs\"`";
@@ -19,10 +24,64 @@ pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<BTreeMap<Strin
 fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError> {
     let mut table = value.table("write `[fabric.NAME]`")?;
     let kind = table.take("kind");
-    if let Some(kind) = table.peek("kind").optional() {
-        kind.reject_later(&[("measured", "a measured fabric")], "use `kind = \"springs\"`")?;
-        kind.choice("is not a kind of fabric", &[("springs", ())])?;
+    let kind_name = match table.peek("kind").optional() {
+        Some(kind) => kind.choice(
+            "is not a kind of fabric",
+            &[("springs", Kind::Springs), ("measured", Kind::Measured), ("library", Kind::Library)],
+        )?,
+        // Its keys tell what it is meant to be, so that only the kind is found missing.
+        None if ["warp", "weft"].into_iter().any(|key| table.peek(key).is_given()) => Kind::Measured,
+        None if table.peek("name").is_given() => Kind::Library,
+        None => Kind::Springs,
+    };
+    Ok(match kind_name {
+        Kind::Springs => Fabric::Springs(read_springs_fabric(table, &kind, files)?),
+        Kind::Measured => Fabric::Measured(measured::read(table, &kind, files)?),
+        Kind::Library => {
+            let name = table.take("name");
+            table.finish()?;
+            require_kind(&kind)?;
+            let name = name.required("", "write `name = \"...\"`; `muslin fabric list` has the names")?;
+            let Some(fabric) = LibraryFabric::find(name.string()?) else {
+                let names = LibraryFabric::ALL.map(LibraryFabric::name);
+                return Err(name.unknown_name("no fabric of the library has that name", names));
+            };
+            Fabric::Measured(read_library(fabric.text())?)
+        }
+    })
+}
+
+/// A kind of fabric by its name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Springs,
+    Measured,
+    Library,
+}
+
+/// The fabric of the library whose keys are in `text`.
+pub(in crate::scene) fn read_library(text: &str) -> Result<MeasuredFabric, SceneError> {
+    let entries =
+        DeTable::parse(text).map_err(|error| super::not_toml(error.message(), error.span(), text))?;
+    let mut table = Table::new(text, "fabric".to_owned(), None, entries.get_ref());
+    let kind = table.take("kind");
+    measured::read(table, &kind, &mut DataFiles::new(None))
+}
+
+/// Checks that a fabric has its `kind`.
+pub(super) fn require_kind(kind: &Entry) -> Result<(), SceneError> {
+    if kind.is_given() {
+        return Ok(());
     }
+    Err(kind.missing("", "write `kind = \"springs\"`, `kind = \"measured\"` or `kind = \"library\"`"))
+}
+
+/// What `table` holds, whose `kind` is that of springs or missing.
+fn read_springs_fabric(
+    mut table: Table,
+    kind: &Entry,
+    files: &mut DataFiles,
+) -> Result<SpringsFabric, SceneError> {
     let particle_mass = table.take("particle_mass");
     let drag = table.take("drag");
     let force_direction = table.take("force_direction");
@@ -32,9 +91,9 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
     let limit = table.take("limit");
     table.finish()?;
 
-    kind.required("", "write `kind = \"springs\"`")?;
+    require_kind(kind)?;
     let (structural, shear) = (read_springs(structural, files)?, read_springs(shear, files)?);
-    Ok(Fabric::Springs(SpringsFabric {
+    Ok(SpringsFabric {
         particle_mass: particle_mass.number("kg", NumberRule::Positive)?,
         drag: drag.number("kg/s", NumberRule::NotNegative)?,
         force_direction: match force_direction.optional() {
@@ -51,7 +110,7 @@ fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError
         limit: limit.optional().map(|limit| limit::read(limit, &structural, &shear)).transpose()?,
         structural,
         shear,
-    }))
+    })
 }
 
 /// A law by its name.

@@ -7,17 +7,19 @@ mod environment;
 mod expect;
 mod fabric;
 mod limit;
+mod measured;
 mod pins;
+mod quantity;
 mod run;
 mod table;
 mod value;
 
 use toml::de::DeTable;
 
+pub(super) use self::fabric::read_library as read_library_fabric;
 use self::table::Table;
 pub(super) use self::table::joined;
 pub(super) use self::value::rounded;
-use super::Fabric;
 use super::data::DataFiles;
 use super::error::{SceneError, SceneErrorKind};
 use super::{MAX_SCENE_BYTES, Scene};
@@ -103,8 +105,7 @@ impl Scene {
         let fabrics = fabric::read(fabrics, &mut files)?;
         let cloths = cloth::read(cloths, &fabrics, &mut files)?;
         let has_structural_springs = cloths.iter().any(|cloth| {
-            let Fabric::Springs(fabric) = &fabrics[&cloth.fabric];
-            fabric.structural.has_springs() && 1 < cloth.grid.columns.max(cloth.grid.rows)
+            fabrics[&cloth.fabric].has_structural_springs() && 1 < cloth.grid.columns.max(cloth.grid.rows)
         });
         let expectations = expect::read(expectations, has_structural_springs)?;
         let data_files = files.into_files();

@@ -119,13 +119,19 @@ impl<'t> Entry<'t> {
 
     /// The value, or the error that it is missing.
     pub(super) fn required(self, unit: &'static str, help: &str) -> Result<Value<'t>, SceneError> {
-        self.value.ok_or_else(|| {
-            let kind = SceneErrorKind::Missing { key: self.path, unit, help: help.to_owned() };
-            match self.table_span {
-                Some(span) => SceneError::at(kind, self.text, span),
-                None => SceneError::new(kind),
-            }
-        })
+        match self.value {
+            Some(value) => Ok(value),
+            None => Err(self.missing(unit, help)),
+        }
+    }
+
+    /// The error that there is no value.
+    pub(super) fn missing(&self, unit: &'static str, help: &str) -> SceneError {
+        let kind = SceneErrorKind::Missing { key: self.path.clone(), unit, help: help.to_owned() };
+        match self.table_span.clone() {
+            Some(span) => SceneError::at(kind, self.text, span),
+            None => SceneError::new(kind),
+        }
     }
 
     /// See [`Value::number`].

@@ -64,10 +64,6 @@ impl<'t> Value<'t> {
         self.error(SceneErrorKind::WrongType { key, found, expected, unit, help })
     }
 
-    pub(super) fn not_available(&self, what: &'static str, help: &'static str) -> SceneError {
-        self.error(SceneErrorKind::NotAvailable { key: self.path.clone(), what, help })
-    }
-
     /// A finite number [`unit`] within `rule` and, if it is a quantity, of a size within [`SIZES`]; never -0. Integers are
     /// numbers.
     pub(super) fn number(&self, unit: &'static str, rule: NumberRule) -> Result<f64, SceneError> {
@@ -201,18 +197,6 @@ impl<'t> Value<'t> {
         }
         let elements = self.elements("an array of tables", "")?;
         elements.into_iter().map(|element| element.table(help)).collect()
-    }
-
-    /// Rejects the names of what later versions have: each with what it asks for.
-    pub(super) fn reject_later(
-        &self,
-        later: &[(&str, &'static str)],
-        help: &'static str,
-    ) -> Result<(), SceneError> {
-        match later.iter().find(|(name, _)| self.value.as_str() == Some(*name)) {
-            Some((_, what)) => Err(self.not_available(what, help)),
-            None => Ok(()),
-        }
     }
 
     /// The meaning of a name, from a list of names with meanings.
