@@ -110,7 +110,9 @@ impl Vectorise for RowSweep<'_, '_> {
         let Self { springs, at, rows, forces, mut bounds, sweep } = self;
         let grid = springs.grid;
         let mut pass = RowPass { springs, at, sweep, is_bounded: bounds.is_some() };
-        if pass.sweep.next != Some((grid.particle(0, rows.start), bounds.is_some())) {
+        // Where one grid ends the next begins, but nothing of it goes on there.
+        let goes_on = pass.sweep.next == Some((grid.particle(0, rows.start), bounds.is_some()));
+        if rows.start == 0 || !goes_on {
             pass.start();
             // Two rows up is as far as springs reach.
             for row in rows.start.saturating_sub(2)..rows.start {
@@ -152,10 +154,10 @@ impl RowPass<'_> {
             }
         }
         for Pending { forces, bounds } in &mut self.sweep.pending {
-            if forces.len() != columns {
-                *forces = Points::zeros(columns);
+            for values in [&mut forces.x, &mut forces.y, &mut forces.z] {
+                values.clear();
+                values.resize(columns, 0.0);
             }
-            forces.fill(0.0);
             bounds.clear();
             bounds.resize(if self.is_bounded { columns } else { 0 }, 0.0);
         }

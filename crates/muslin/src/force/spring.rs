@@ -245,6 +245,32 @@ mod tests {
         }
     }
 
+    /// Over all magnitudes that lengths can have, within two units of the last place.
+    #[test]
+    fn length_and_inverse_are_nearly_exact() {
+        let ulp = f64::EPSILON;
+        let mut squared = 1.2e-38;
+        while squared < 3.0e38 {
+            let at = SpringLength::from_squared(squared);
+            let exact = squared.sqrt();
+            let errors = [at.length / exact - 1.0, at.inverse * exact - 1.0];
+            assert!(errors.iter().all(|error| error.abs() <= 2.0 * ulp), "{squared:e}: {errors:?}");
+            squared *= 1.000_371;
+        }
+    }
+
+    /// Too short to have a direction, or beyond all sense.
+    #[test]
+    fn lengths_out_of_range_are_zero_or_no_number() {
+        for squared in [0.0, 1e-300, 1e-39] {
+            assert_eq!(SpringLength::from_squared(squared), SpringLength { length: 0.0, inverse: 0.0 });
+        }
+        for squared in [1e39, 1e300, f64::INFINITY, f64::NAN] {
+            let at = SpringLength::from_squared(squared);
+            assert!(at.length.is_nan() && at.inverse.is_nan(), "{squared:e}: {at:?}");
+        }
+    }
+
     #[test]
     fn coincident_ends_feel_no_force() {
         for (spring, _) in cases() {

@@ -211,6 +211,23 @@ mod tests {
         assert!((2.0 * CAP_ARGUMENT / PI - 0.994).abs() < 5e-4);
     }
 
+    /// An error of one rounding of u changes the tangent by u (1 + tan² u) ε; four of them are allowed, and two of the tangent.
+    #[test]
+    fn the_continued_fraction_is_the_tangent() {
+        for i in 0..=100_000 {
+            let u = CAP_ARGUMENT * f64::from(i) / 100_000.0;
+            let exact = libm::tan(u);
+            let allowed = f64::EPSILON * (4.0 * u * (1.0 + exact * exact) + 2.0 * exact);
+            assert!((tangent(u) - exact).abs() <= allowed, "{u}: {} for {exact}", tangent(u));
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_number_stays_so() {
+        let (tension, tangent) = TangentLaw::new(60.0, 0.06).tension_and_tangent(f64::NAN, 0.1);
+        assert!(tension.is_nan() && tangent.is_nan());
+    }
+
     /// The paper's curve backwards: under the force k x its arctangent is the extension.
     #[test]
     fn extension_is_the_papers_curve() {
