@@ -344,8 +344,11 @@ fn damping_bounds_are_bounds() {
 /// z < 2. Here ρ C_N A v / 4 = 0.18 kg/s.
 #[test]
 fn a_step_is_stable_up_to_twice_the_mass_by_the_damping() {
+    // Springs would be unstable with such steps.
+    let mut numbers = falling(50.0, 1, 1.0);
+    numbers.cloths[0].stiffnesses = [0.0; 3];
     for (z, factor) in [(0.5, 0.625_f64), (1.9, 0.905), (2.1, 1.105)] {
-        let (model, mut state) = model_and_state(&falling(50.0, 1, 1.0));
+        let (model, mut state) = model_and_state(&numbers);
         state.velocities.y.fill(-2.0);
         let bound = damping_bounds(&model, &state)[0];
         assert!((bound - 0.18).abs() < 1e-12, "{bound} kg/s");
