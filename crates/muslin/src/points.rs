@@ -186,3 +186,20 @@ pub(crate) fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> 
     }
     lanes.iter().sum()
 }
+
+/// Sum of the products of `a` and `b`, which are as long, in the order of [`sum_in_lanes`].
+#[inline(always)]
+pub(crate) fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = chunks_a.remainder().iter().zip(chunks_b.remainder());
+    for (a, b) in chunks_a.zip(chunks_b) {
+        for lane in 0..8 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    for (lane, (a, b)) in lanes.iter_mut().zip(rest) {
+        *lane += a * b;
+    }
+    lanes.iter().sum()
+}

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::grid_laws::{GridLaws, Lines, SpringGroup};
-use super::grid_stiffness::AddTensors;
+use super::grid_stiffness::AddGridTensors;
 use super::grid_strains::{self, RaiseMaxStrains};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::row_sweep::RowSweep;
@@ -33,7 +33,7 @@ pub(super) struct GridFamily {
     pub(super) family: Family,
     pub(super) law: SpringLaw,
     direction: ForceDirection,
-    neighbours: Vec<Neighbour>,
+    pub(super) neighbours: Vec<Neighbour>,
     /// Rest lengths [m] of the springs of the family's first and second direction, where the group has them.
     rest_lengths: [Option<f64>; 2],
     pub(super) lines: Lines,
@@ -41,7 +41,7 @@ pub(super) struct GridFamily {
 
 /// A neighbour's place in the grid, relative to a particle's.
 #[derive(Clone, Copy, Debug)]
-struct Neighbour {
+pub(super) struct Neighbour {
     columns: isize,
     rows: isize,
     rest_length: f64,
@@ -110,9 +110,7 @@ impl GridSprings {
             for row in rows.clone() {
                 for neighbour in &family.neighbours {
                     for pair in neighbour.row_pairs(&self.grid, row, family.lines) {
-                        let (rest_length, direction) = (neighbour.rest_length, family.direction);
-                        let offset = block.start;
-                        visit(family, SpringRow { at, pair: &pair, offset, rest_length, direction });
+                        visit(family, family.row(at, &pair, block.start, neighbour));
                     }
                 }
             }
@@ -145,6 +143,18 @@ impl GridFamily {
     /// across it k (1 − L / ℓ), which is less.
     pub(super) fn has_constant_stiffness(&self) -> bool {
         self.law.is_linear() && self.direction == ForceDirection::CurrentLength
+    }
+
+    /// The springs of `pair` to a `neighbour`; the arrays that are added to begin with particle `offset`.
+    #[inline(always)]
+    pub(super) fn row<'a>(
+        &self,
+        at: Configuration<'a>,
+        pair: &'a RowPair,
+        offset: usize,
+        neighbour: &Neighbour,
+    ) -> SpringRow<'a> {
+        SpringRow { at, pair, offset, rest_length: neighbour.rest_length, direction: self.direction }
     }
 
     /// A spring of the family's first or second direction under its `law`, if the group has such springs.
@@ -181,7 +191,13 @@ impl Neighbour {
     }
 
     /// The particles of `row` that have this neighbour, as far as the springs between them lie in `lines`.
-    fn row_pairs(&self, grid: &Grid, row: usize, lines: Lines) -> impl Iterator<Item = RowPair> + use<> {
+    #[inline(always)]
+    pub(super) fn row_pairs(
+        &self,
+        grid: &Grid,
+        row: usize,
+        lines: Lines,
+    ) -> impl Iterator<Item = RowPair> + use<> {
         let is_edge = row == 0 || row + 1 == grid.rows;
         let pair = self.row_pair(grid, row);
         let columns = grid.columns;
@@ -286,7 +302,7 @@ impl Force for GridSprings {
         block: &Range<usize>,
         tensors: &mut StiffnessTensorsMut<'_>,
     ) {
-        self.for_each_row(at, block, |family, row| family.law.visit(AddTensors { row, tensors }));
+        self.instructions.run(AddGridTensors { springs: self, at, block, tensors });
     }
 
     fn add_forces_and_varying_bounds(

@@ -1,6 +1,7 @@
 //! The stiffness that each particle feels, direction by direction.
 
-use crate::{Points, PointsMut};
+use crate::instructions::Vectorise;
+use crate::{InstructionSet, Points, PointsMut};
 
 /// Part of a tensor's eigenvalue [1] that is added to it, so that rounding never makes it too small: r below has errors of
 /// about 1e-15, and where two eigenvalues meet s has the root of that.
@@ -58,7 +59,8 @@ impl StiffnessTensorsMut<'_> {
         self.off_diagonal.fill(0.0);
     }
 
-    /// At least the largest eigenvalue [N/m] of tensor `index`, by at most 2e-6 of it more; NaN if an entry is.
+    /// Overwrites `eigenvalues` with at least the largest eigenvalue [N/m] of each tensor, by at most 2e-6 of it more; NaN
+    /// if an entry is.
     ///
     /// With the mean eigenvalue m = ⅓ tr A, B = A − m and p² = ⅙ tr B², the eigenvalues are m + 2p cos φ where
     ///
@@ -68,27 +70,52 @@ impl StiffnessTensorsMut<'_> {
     ///
     /// The last is smooth in s, even where two eigenvalues meet, as they do in a flat cloth (s = 0): a polynomial is faster
     /// than two functions. Negative eigenvalues must be smaller in size than the largest one.
-    #[must_use]
-    pub fn largest_eigenvalue(&self, index: usize) -> f64 {
-        let [xx, yy, zz] = [self.diagonal.x[index], self.diagonal.y[index], self.diagonal.z[index]];
-        let mean = (xx + yy + zz) / 3.0;
-        let scale = if mean == 0.0 { 0.0 } else { 1.0 / mean };
-        let [a, b, c] = [(xx - mean) * scale, (yy - mean) * scale, (zz - mean) * scale];
-        let [d, e, f] = [&self.off_diagonal.x, &self.off_diagonal.y, &self.off_diagonal.z]
-            .map(|values| values[index] * scale);
-        let squares = a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f);
-        let p = (squares / 6.0).sqrt();
-        // Written so that what is not a number goes on.
-        let cosine = if p < LEAST_ANISOTROPY {
-            1.0
-        } else {
-            let determinant = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
-            let r = determinant / (2.0 * p * p * p);
-            let s = (0.5 * (1.0 + r).clamp(0.0, 2.0)).sqrt();
-            COSINE.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
-        };
-        mean * (1.0 + 2.0 * p * cosine) * (1.0 + ROUNDING)
+    pub fn eval_largest_eigenvalues(&self, instructions: InstructionSet, eigenvalues: &mut [f64]) {
+        instructions.run(LargestEigenvalues { tensors: self, eigenvalues });
     }
+}
+
+struct LargestEigenvalues<'a, 'b> {
+    tensors: &'a StiffnessTensorsMut<'b>,
+    eigenvalues: &'a mut [f64],
+}
+
+impl Vectorise for LargestEigenvalues<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const LANES: usize>(self) {
+        let Self { tensors: StiffnessTensorsMut { diagonal, off_diagonal }, eigenvalues } = self;
+        let count = eigenvalues.len();
+        let [xx, yy, zz] = [&diagonal.x, &diagonal.y, &diagonal.z].map(|values| &values[..count]);
+        let [yz, xz, xy] = [&off_diagonal.x, &off_diagonal.y, &off_diagonal.z].map(|values| &values[..count]);
+        for i in 0..count {
+            eigenvalues[i] = largest_eigenvalue([xx[i], yy[i], zz[i]], [yz[i], xz[i], xy[i]]);
+        }
+    }
+}
+
+#[inline(always)]
+fn largest_eigenvalue([xx, yy, zz]: [f64; 3], [yz, xz, xy]: [f64; 3]) -> f64 {
+    let mean = (xx + yy + zz) * (1.0 / 3.0);
+    let inverse = 1.0 / mean;
+    let scale = if mean == 0.0 { 0.0 } else { inverse };
+    let [a, b, c] = [(xx - mean) * scale, (yy - mean) * scale, (zz - mean) * scale];
+    let [d, e, f] = [yz * scale, xz * scale, xy * scale];
+    let squares = a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f);
+    let p = (squares * (1.0 / 6.0)).sqrt();
+    let determinant = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
+    let r = determinant / (2.0 * p * p * p);
+    // Comparisons that let through what is not a number.
+    let half = 0.5 * (1.0 + r);
+    let half = if half < 0.0 { 0.0 } else { half };
+    let s = (if half > 1.0 { 1.0 } else { half }).sqrt();
+    let mut cosine = COSINE[6];
+    for k in (0..6).rev() {
+        cosine = cosine * s + COSINE[k];
+    }
+    let cosine = if p < LEAST_ANISOTROPY { 1.0 } else { cosine };
+    mean * (1.0 + 2.0 * p * cosine) * (1.0 + ROUNDING)
 }
 
 #[cfg(test)]
@@ -110,7 +137,9 @@ mod tests {
             diagonal: [DVec3::from(diagonal)].into_iter().collect(),
             off_diagonal: [DVec3::from(off_diagonal)].into_iter().collect(),
         };
-        tensors.as_mut().largest_eigenvalue(0)
+        let mut eigenvalues = [0.0];
+        tensors.as_mut().eval_largest_eigenvalues(InstructionSet::best(), &mut eigenvalues);
+        eigenvalues[0]
     }
 
     /// From no stiffness in two directions to the same in all, with pairs that are equal, or nearly so.

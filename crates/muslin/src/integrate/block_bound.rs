@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
 use super::{SplitArrays, Workers};
 use crate::force::{Configuration, StiffnessTensors, StiffnessTensorsMut};
+use crate::instructions::Vectorise;
 use crate::model::Particles;
 use crate::{Model, State};
 
@@ -76,15 +77,60 @@ impl BlockBound {
 
     /// The largest of bound / mass [1/s²] over the free particles of `block`, where the varying stiffness bounds have
     /// become `varying` [N/m], and the same of the corrected bounds; without corrections before the first evaluation.
-    pub(super) fn rates(&self, particles: &Particles, block: &Range<usize>, varying: &[f64]) -> [f64; 2] {
-        let uncorrected = largest_rate(particles, block, varying);
-        let Some(corrections) = self.corrections.get(block.clone()) else { return [uncorrected; 2] };
-        let constants = particles.masses()[block.clone()].iter().zip(&particles.pinned()[block.clone()]);
-        let bounds = varying.iter().zip(corrections).map(|(bound, correction)| bound + correction);
-        let rates =
-            bounds.zip(constants).map(|(bound, (mass, pinned))| if *pinned { 0.0 } else { bound / mass });
-        [uncorrected, rates.fold(0.0, larger)]
+    pub(super) fn rates(&self, model: &Model, block: &Range<usize>, varying: &[f64]) -> [f64; 2] {
+        let corrections = self.corrections.get(block.clone());
+        let particles = model.particles();
+        model.instructions().run(LargestRates { particles, block, varying, corrections })
     }
+}
+
+/// Largest ratios of bound and mass over the free particles of a block.
+struct LargestRates<'a> {
+    particles: &'a Particles,
+    block: &'a Range<usize>,
+    /// Bounds [N/m] on the particles of the block.
+    varying: &'a [f64],
+    corrections: Option<&'a [f64]>,
+}
+
+impl Vectorise for LargestRates<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn run<const LANES: usize>(self) -> [f64; 2] {
+        let Self { particles, block, varying, corrections } = self;
+        let mut rates = [0.0; 2];
+        for run in particles.runs(block).filter(|run| !run.is_pinned) {
+            let own = run.particles.start - block.start..run.particles.end - block.start;
+            let varying = &varying[own.clone()];
+            let uncorrected = largest_in_lanes(varying, |_, bound| bound);
+            let corrected = match corrections {
+                Some(corrections) => {
+                    let corrections = &corrections[own][..varying.len()];
+                    largest_in_lanes(varying, |i, bound| bound + corrections[i])
+                }
+                None => uncorrected,
+            };
+            rates = [larger(rates[0], uncorrected / run.mass), larger(rates[1], corrected / run.mass)];
+        }
+        rates
+    }
+}
+
+/// The largest `term(index, value)` of `values`, and zero at least; NaN if any is.
+#[inline(always)]
+fn largest_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
+    let mut lanes = [0.0_f64; 8];
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for (chunk_index, chunk) in chunks.enumerate() {
+        for lane in 0..8 {
+            lanes[lane] = larger(lanes[lane], term(8 * chunk_index + lane, chunk[lane]));
+        }
+    }
+    let done = values.len() - rest.len();
+    let rest = rest.iter().enumerate().map(|(offset, &value)| term(done + offset, value));
+    rest.chain(lanes).fold(0.0, larger)
 }
 
 /// Overwrites `eigenvalues` [N/m] of a block with the largest ones of the stiffness tensors.
@@ -99,7 +145,5 @@ fn eval_block(
     for force in model.forces() {
         force.add_stiffness_tensors(at, block, tensors);
     }
-    for (index, eigenvalue) in eigenvalues.iter_mut().enumerate() {
-        *eigenvalue = tensors.largest_eigenvalue(index);
-    }
+    tensors.eval_largest_eigenvalues(model.instructions(), eigenvalues);
 }

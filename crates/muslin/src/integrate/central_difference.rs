@@ -10,7 +10,7 @@ use super::{Integrator, SplitArrays, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
-use crate::points::sum_in_lanes;
+use crate::points::dot_in_lanes;
 use crate::scene::Start;
 use crate::{Model, Motion, Points, PointsMut, State};
 
@@ -406,7 +406,8 @@ impl Vectorise for MoveBlock<'_, '_> {
             let [force_x, force_y, force_z] =
                 [&forces.x, &forces.y, &forces.z].map(|forces| &forces[run.particles.clone()]);
             if is_measured {
-                moved.motion.power_before += power(force_x, x) + power(force_y, y) + power(force_z, z);
+                moved.motion.power_before +=
+                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
             }
             moved.is_finite &= move_run(
                 (&mut positions.x[own.clone()], &mut positions.y[own.clone()], &mut positions.z[own]),
@@ -416,19 +417,14 @@ impl Vectorise for MoveBlock<'_, '_> {
                 steps.next,
             );
             if is_measured {
-                moved.motion.power_after += power(force_x, x) + power(force_y, y) + power(force_z, z);
-                moved.motion.kinetic_energy += 0.5 * run.mass * (power(x, x) + power(y, y) + power(z, z));
+                moved.motion.power_after +=
+                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
+                moved.motion.kinetic_energy +=
+                    0.5 * run.mass * (dot_in_lanes(x, x) + dot_in_lanes(y, y) + dot_in_lanes(z, z));
             }
         }
         moved
     }
-}
-
-/// Σ a b along one axis.
-#[inline(always)]
-fn power(a: &[f64], b: &[f64]) -> f64 {
-    let b = &b[..a.len()];
-    sum_in_lanes(a, |i, a| a * b[i])
 }
 
 impl Integrator for CentralDifference {
@@ -461,7 +457,7 @@ impl Integrator for CentralDifference {
         let eval_band = |blocks: &[Range<usize>], arrays: (PointsMut<'_>, &mut [f64]), sweep: &mut Sweep| {
             for_each_block(blocks, arrays, sweep, |block, (forces, bounds), sweep| {
                 eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
-                block_bound.rates(at.particles, block, bounds)
+                block_bound.rates(model, block, bounds)
             })
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
@@ -509,7 +505,7 @@ impl Integrator for CentralDifference {
         let motion = self.move_and_eval(model, state, to, |at, block, forces, sweep| {
             let bounds = &mut bounds[block.clone()];
             eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
-            largest = larger_rates(largest, block_bound.rates(at.particles, block, bounds));
+            largest = larger_rates(largest, block_bound.rates(model, block, bounds));
         });
         (self.stiffness_bounds, self.block_bound) = (bounds, block_bound);
         (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))

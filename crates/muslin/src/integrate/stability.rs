@@ -106,6 +106,7 @@ pub(super) fn stable_step(frequency_squared: f64, damping: f64) -> f64 {
 }
 
 /// The larger number, and NaN if either is: `f64::max` would pass over it.
+#[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b <= a { a } else { b }
 }

@@ -7,7 +7,7 @@ use super::pin_work::PinWork;
 use super::{Frame, Observer};
 use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::model::ParticleRun;
-use crate::points::sum_in_lanes;
+use crate::points::{dot_in_lanes, sum_in_lanes};
 use crate::{Model, Points, PointsMut, State};
 
 /// Energies [J] at one time.
