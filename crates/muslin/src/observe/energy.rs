@@ -273,7 +273,8 @@ fn drag_power(model: &Model, state: &State) -> f64 {
     let runs = particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0);
     let power = |run: ParticleRun| {
         let [x, y, z] = [&velocities.x, &velocities.y, &velocities.z].map(|velocities| {
-            sum_in_lanes(&velocities[run.particles.clone()], |_, velocity| velocity * velocity)
+            let velocities = &velocities[run.particles.clone()];
+            dot_in_lanes(velocities, velocities)
         });
         run.drag * (x + y + z)
     };
