@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use muslin::integrate::{Integrator, StableStep, StepError, Workers};
+use muslin::integrate::{Integrator, StableStep, StepError, StepTo, Workers};
 use muslin::{Model, Motion, Points, State};
 
 /// Time spent in steps, shared with the integrator that measures it.
@@ -69,6 +69,20 @@ impl Integrator for TimedIntegrator {
         time: f64,
     ) -> Result<Motion, StepError> {
         self.timed(|inner| inner.move_and_measure(model, state, step, time))
+    }
+
+    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
+        self.timed(|inner| inner.step_to(model, state, to))
+    }
+
+    fn step_to_and_bound(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        to: StepTo,
+        constant_stiffness: f64,
+    ) -> (Result<Motion, StepError>, StableStep) {
+        self.timed(|inner| inner.step_to_and_bound(model, state, to, constant_stiffness))
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {

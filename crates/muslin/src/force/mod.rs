@@ -1,7 +1,7 @@
 //! Forces, each of one kind for all particles at once.
 //!
-//! A [`Force`] is asked for whole blocks of particles, never for one. It *gathers*: what it adds to a particle it
-//! computes from that particle's neighbours in a fixed order, so that no division of work among threads changes a sum.
+//! A [`Force`] is asked for whole blocks of particles, never for one, and adds to these alone. What it adds to a particle
+//! has a fixed order, wherever a block begins, so that no division of work among threads changes a sum.
 
 mod aerodynamic;
 mod bending;
