@@ -51,7 +51,7 @@ pub(super) struct BlockBound {
 impl BlockBound {
     /// The largest λ_i [1/s²] at `state`.
     ///
-    /// `varying` are the varying stiffness bounds [N/m] there, one per particle, which [`corrected`](Self::corrected) will
+    /// `varying` are the varying stiffness bounds [N/m] there, one per particle, which [`rates`](Self::rates) will
     /// correct by what they differ now; empty if nothing varies.
     pub(super) fn eval(&mut self, workers: &Workers, model: &Model, state: &State, varying: &[f64]) -> f64 {
         let count = state.positions.len();
