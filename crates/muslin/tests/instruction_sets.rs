@@ -164,6 +164,7 @@ fn sweeps_add_up_the_springs_one_by_one() {
                 expected.set(j, expected.get(j) - force);
             });
         }
+        assert!(largest > 0.0, "{size:?} has no spring under tension");
         for (index, (force, expected)) in forces.iter().zip(expected.iter()).enumerate() {
             let error = (force - expected).length();
             assert!(error <= 1e-12 * largest, "{size:?}: particle {index}: {force} and {expected}");

@@ -13,6 +13,7 @@ mod grid_strains;
 mod gust;
 mod law;
 mod noise;
+mod row_sums;
 mod row_sweep;
 mod spring;
 mod stiffness_tensors;

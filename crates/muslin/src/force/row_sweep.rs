@@ -10,6 +10,7 @@ use super::Configuration;
 use super::grid_laws::Lines;
 use super::grid_springs::{GridFamily, GridSprings, columns};
 use super::law::{LawVisitor, TensionLaw};
+use super::row_sums::{gather, gather_within, pass_down};
 use super::spring::{Spring, SpringLength};
 use crate::instructions::Vectorise;
 use crate::model::Grid;
@@ -34,8 +35,8 @@ struct Shape {
     rows: usize,
 }
 
-/// The springs of all families, in the order of [`Family::ALL`](super::Family::ALL). The second diagonal is counted from its lower end's
-/// column, so that no spring has to do with an earlier column than its number.
+/// The springs of all families, in the order of [`Family::ALL`](super::Family::ALL). The second diagonal is counted from
+/// its lower end's column, so that no spring has to do with an earlier column than its number.
 const SHAPES: [[Shape; 2]; 3] = [
     [Shape { own: 0, other: 1, rows: 0 }, Shape { own: 0, other: 0, rows: 1 }],
     [Shape { own: 0, other: 1, rows: 1 }, Shape { own: 1, other: 0, rows: 1 }],
@@ -179,23 +180,11 @@ impl RowPass<'_> {
                 Tile { rows: rows.clone(), columns: tile * columns / tiles..(tile + 1) * columns / tiles };
             for family in self.springs.swept() {
                 let springs = &mut self.sweep.springs[family.family as usize];
-                let (springs_of, at, tile) = (self.springs, self.at, &tile);
+                let (grid, at, tile) = (self.springs.grid, self.at, &tile);
                 if self.is_bounded && !family.has_constant_stiffness() {
-                    family.law.visit(EvalSprings::<LANES, true> {
-                        grid: springs_of.grid,
-                        tile,
-                        family,
-                        at,
-                        springs,
-                    });
+                    family.law.visit(EvalSprings::<LANES, true> { grid, tile, family, at, springs });
                 } else {
-                    family.law.visit(EvalSprings::<LANES, false> {
-                        grid: springs_of.grid,
-                        tile,
-                        family,
-                        at,
-                        springs,
-                    });
+                    family.law.visit(EvalSprings::<LANES, false> { grid, tile, family, at, springs });
                 }
             }
             // The first two rows get something from earlier strips, all others from this one alone.
@@ -483,73 +472,6 @@ fn eval_lanes<const LANES: usize, const BOUNDED: bool, L: TensionLaw>(
         force_x[i] = coefficient * dx;
         force_y[i] = coefficient * dy;
         force_z[i] = coefficient * dz;
-    }
-}
-
-/// Adds all forces [N] along one axis on the particles of a tile: those from earlier rows, and those of the springs whose own
-/// end they are, or whose other end in the same row.
-#[inline(always)]
-fn gather(
-    forces: &mut [f64],
-    above: &[f64],
-    (across, across_before): (&[f64], &[f64]),
-    down: &[f64],
-    (diagonal, other_diagonal): (&[f64], &[f64]),
-    (far_across, far_across_before): (&[f64], &[f64]),
-    far_down: &[f64],
-) {
-    let count = forces.len();
-    let (above, across, across_before) = (&above[..count], &across[..count], &across_before[..count]);
-    let (down, diagonal, other_diagonal) = (&down[..count], &diagonal[..count], &other_diagonal[..count]);
-    let (far_across, far_across_before) = (&far_across[..count], &far_across_before[..count]);
-    let far_down = &far_down[..count];
-    for i in 0..count {
-        let structural = above[i] + (across[i] - across_before[i]) + down[i];
-        let shear = diagonal[i] + other_diagonal[i];
-        let bend = (far_across[i] - far_across_before[i]) + far_down[i];
-        forces[i] += structural + shear + bend;
-    }
-}
-
-/// What [`gather`] and [`pass_down`] do together, with the same bits, for rows of `columns` from the third of a strip on;
-/// the first of its springs has number 2.
-#[inline(always)]
-fn gather_within(forces: &mut [f64], columns: usize, springs: [&[f64]; 6]) {
-    let [across, down, diagonal, other_diagonal, far_across, far_down] = springs;
-    let (own, above, far_above) = (2 + 2 * columns, 2 + columns, 2);
-    let count = forces.len();
-    let (down_above, down) = (&down[above..][..count], &down[own..][..count]);
-    let (across_before, across) = (&across[own - 1..][..count], &across[own..][..count]);
-    let (diagonal_above, diagonal) = (&diagonal[above - 1..][..count], &diagonal[own..][..count]);
-    let other_diagonal_above = &other_diagonal[above..][..count];
-    let other_diagonal = &other_diagonal[own - 1..][..count];
-    let (far_across_before, far_across) = (&far_across[own - 2..][..count], &far_across[own..][..count]);
-    let (far_down_above, far_down) = (&far_down[far_above..][..count], &far_down[own..][..count]);
-    for i in 0..count {
-        let above = -far_down_above[i] - down_above[i] - (diagonal_above[i] + other_diagonal_above[i]);
-        let structural = above + (across[i] - across_before[i]) + down[i];
-        let shear = diagonal[i] + other_diagonal[i];
-        let bend = (far_across[i] - far_across_before[i]) + far_down[i];
-        forces[i] += structural + shear + bend;
-    }
-}
-
-/// Puts into `below` all forces [N] along one axis on the next row from earlier rows and this one, and into `after` those on
-/// the row after it.
-#[inline(always)]
-fn pass_down(
-    below: &mut [f64],
-    after: &mut [f64],
-    down: &[f64],
-    (diagonal_before, other_diagonal): (&[f64], &[f64]),
-    far_down: &[f64],
-) {
-    let count = below.len();
-    let (after, down, far_down) = (&mut after[..count], &down[..count], &far_down[..count]);
-    let (diagonal_before, other_diagonal) = (&diagonal_before[..count], &other_diagonal[..count]);
-    for i in 0..count {
-        below[i] = after[i] - down[i] - (diagonal_before[i] + other_diagonal[i]);
-        after[i] = -far_down[i];
     }
 }
 

@@ -4,13 +4,12 @@ use std::ops::Range;
 
 use super::block_bound::BlockBound;
 use super::limits::Limiter;
+use super::motion::{MoveBlock, Moved, Steps, combined};
 use super::pins::place_pins;
 use super::stability::{configuration, larger, largest_damping_rate, stable_step};
 use super::{Integrator, SplitArrays, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
-use crate::instructions::Vectorise;
 use crate::model::Particles;
-use crate::points::dot_in_lanes;
 use crate::scene::Start;
 use crate::{Model, Motion, Points, PointsMut, State};
 
@@ -235,18 +234,6 @@ impl CentralDifference {
     }
 }
 
-/// All motions together, by twos as [`Workers::for_blocks`] combines them.
-fn combined(moved: &[Moved]) -> Option<Moved> {
-    match moved {
-        [] => None,
-        [moved] => Some(*moved),
-        _ => {
-            let (first, second) = moved.split_at(moved.len() / 2);
-            combined(first).zip(combined(second)).map(|(first, second)| first.add(second))
-        }
-    }
-}
-
 /// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
 /// the `force` [N] at the state's time; a pin keeps its own.
 fn velocity_at_state(
@@ -330,101 +317,6 @@ fn for_each_block<A: SplitArrays>(
 /// The larger ones of rates by norms and by blocks.
 fn larger_rates(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [larger(a[0], b[0]), larger(a[1], b[1])]
-}
-
-/// The sizes of the step that led here and of the next one [s].
-#[derive(Clone, Copy, Debug)]
-struct Steps {
-    last: f64,
-    next: f64,
-}
-
-/// What turns velocity and force of a particle into its next velocity.
-#[derive(Clone, Copy)]
-struct Factors {
-    velocity: f64,
-    force: f64,
-}
-
-impl Factors {
-    /// Of a free particle of `mass` [kg] and `drag` [kg/s].
-    fn new(mass: f64, drag: f64, steps: Steps) -> Self {
-        let twice_mass = 2.0 * mass;
-        let denominator = twice_mass + drag * steps.last;
-        // The second is h⁻/2m · velocity factor + h⁺/2m, without its cancellation.
-        Self {
-            velocity: (twice_mass - drag * steps.next) / denominator,
-            force: (steps.last + steps.next) / denominator,
-        }
-    }
-}
-
-/// What came of moving some particles.
-#[derive(Clone, Copy, Debug)]
-struct Moved {
-    /// Whether all positions stay finite.
-    is_finite: bool,
-    motion: Motion,
-}
-
-impl Moved {
-    fn add(self, other: Self) -> Self {
-        Self { is_finite: self.is_finite && other.is_finite, motion: self.motion.add(other.motion) }
-    }
-}
-
-/// Moves the particles of `block`, and measures their motion if asked to.
-struct MoveBlock<'a, 'b> {
-    particles: &'a Particles,
-    steps: Steps,
-    block: &'a Range<usize>,
-    /// Of the block.
-    positions: PointsMut<'b>,
-    /// Of the block.
-    velocities: PointsMut<'b>,
-    /// Forces [N] on all particles.
-    forces: &'a Points,
-    is_measured: bool,
-}
-
-impl Vectorise for MoveBlock<'_, '_> {
-    type Output = Moved;
-
-    #[inline(always)]
-    fn run<const LANES: usize>(self) -> Moved {
-        let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
-        let mut moved = Moved { is_finite: true, motion: Motion::default() };
-        for run in particles.runs(block) {
-            let own = run.particles.start - block.start..run.particles.end - block.start;
-            let [x, y, z] = [&mut *velocities.x, &mut *velocities.y, &mut *velocities.z]
-                .map(|velocities| &mut velocities[own.clone()]);
-            if run.is_pinned {
-                [x, y, z].into_iter().for_each(|velocities| velocities.fill(0.0));
-                continue;
-            }
-            let factors = Factors::new(run.mass, run.drag, steps);
-            let [force_x, force_y, force_z] =
-                [&forces.x, &forces.y, &forces.z].map(|forces| &forces[run.particles.clone()]);
-            if is_measured {
-                moved.motion.power_before +=
-                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
-            }
-            moved.is_finite &= move_run(
-                (&mut positions.x[own.clone()], &mut positions.y[own.clone()], &mut positions.z[own]),
-                (&mut *x, &mut *y, &mut *z),
-                (force_x, force_y, force_z),
-                factors,
-                steps.next,
-            );
-            if is_measured {
-                moved.motion.power_after +=
-                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
-                moved.motion.kinetic_energy +=
-                    0.5 * run.mass * (dot_in_lanes(x, x) + dot_in_lanes(y, y) + dot_in_lanes(z, z));
-            }
-        }
-        moved
-    }
 }
 
 impl Integrator for CentralDifference {
@@ -566,34 +458,6 @@ impl Integrator for CentralDifference {
     fn workers(&self) -> &Workers {
         &self.workers
     }
-}
-
-/// Moves equal particles by `step` [s]; whether all positions stay finite.
-#[inline(always)]
-fn move_run(
-    (x, y, z): (&mut [f64], &mut [f64], &mut [f64]),
-    (velocity_x, velocity_y, velocity_z): (&mut [f64], &mut [f64], &mut [f64]),
-    (force_x, force_y, force_z): (&[f64], &[f64], &[f64]),
-    factors: Factors,
-    step: f64,
-) -> bool {
-    let count = x.len();
-    let (y, z) = (&mut y[..count], &mut z[..count]);
-    let (velocity_x, velocity_y) = (&mut velocity_x[..count], &mut velocity_y[..count]);
-    let velocity_z = &mut velocity_z[..count];
-    let (force_x, force_y, force_z) = (&force_x[..count], &force_y[..count], &force_z[..count]);
-    let mut finite = true;
-    for i in 0..count {
-        velocity_x[i] = factors.velocity * velocity_x[i] + factors.force * force_x[i];
-        velocity_y[i] = factors.velocity * velocity_y[i] + factors.force * force_y[i];
-        velocity_z[i] = factors.velocity * velocity_z[i] + factors.force * force_z[i];
-        x[i] += step * velocity_x[i];
-        y[i] += step * velocity_y[i];
-        z[i] += step * velocity_z[i];
-        // Finite unless one of them is not, or close to overflow.
-        finite &= (x[i] + y[i] + z[i]).is_finite();
-    }
-    finite
 }
 
 /// The error of a state that has a non-finite value.

@@ -4,6 +4,7 @@ mod adaptive_step;
 mod block_bound;
 mod central_difference;
 mod limits;
+mod motion;
 mod pins;
 mod stability;
 mod stable_steps;
@@ -79,11 +80,7 @@ pub trait Integrator: Send {
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).
-    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
-        let motion = to.moved(self, model, state);
-        self.eval_forces(model, state);
-        motion
-    }
+    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError>;
 
     /// [`step_to`](Self::step_to) and the stable step at its end, as
     /// [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) has it.
@@ -93,10 +90,7 @@ pub trait Integrator: Send {
         state: &mut State,
         to: StepTo,
         constant_stiffness: f64,
-    ) -> (Result<Motion, StepError>, StableStep) {
-        let motion = to.moved(self, model, state);
-        (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness))
-    }
+    ) -> (Result<Motion, StepError>, StableStep);
 
     /// Estimates the error [m] that the step from `before` to `after` added to any position, from forces that are evaluated
     /// at both; those at `after` are left behind.
