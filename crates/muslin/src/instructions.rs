@@ -28,9 +28,8 @@ pub(crate) trait Vectorise {
     /// What it gives.
     type Output;
 
-    /// Does it, `LANES` numbers side by side. Implementations are `#[inline(always)]`, and so is all that they call in a
-    /// loop.
-    fn run<const LANES: usize>(self) -> Self::Output;
+    /// Does it. Implementations are `#[inline(always)]`, and so is all that they call in a loop.
+    fn run(self) -> Self::Output;
 }
 
 impl InstructionSet {
@@ -75,7 +74,7 @@ impl InstructionSet {
     /// Runs what was compiled of `task` for these instructions.
     pub(crate) fn run<T: Vectorise>(self, task: T) -> T::Output {
         match self.0 {
-            Level::Baseline => task.run::<8>(),
+            Level::Baseline => task.run(),
             // SAFETY: such a set exists only if the processor was found to have it.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { run_avx2(task) },
@@ -88,11 +87,11 @@ impl InstructionSet {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn run_avx2<T: Vectorise>(task: T) -> T::Output {
-    task.run::<8>()
+    task.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
 fn run_avx512<T: Vectorise>(task: T) -> T::Output {
-    task.run::<16>()
+    task.run()
 }

@@ -65,6 +65,7 @@
 //! [`Integrator`]: integrate::Integrator
 //! [`Observer`]: observe::Observer
 
+mod aligned;
 pub mod force;
 mod instructions;
 pub mod integrate;
@@ -77,6 +78,7 @@ pub mod scene;
 mod state;
 pub mod write;
 
+pub use aligned::AlignedArray;
 pub use glam;
 pub use instructions::InstructionSet;
 pub use model::Model;

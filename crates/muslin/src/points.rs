@@ -4,24 +4,27 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::AlignedArray;
+
 /// Points or vectors in space as a structure of arrays; the unit is the owner's.
 ///
 /// The three arrays have the same length, so that loops over them vectorise. Single points are [`DVec3`].
 #[derive(Debug, Default, PartialEq)]
 pub struct Points {
     /// First coordinates, one per point.
-    pub x: Vec<f64>,
+    pub x: AlignedArray,
     /// Second coordinates (up), one per point.
-    pub y: Vec<f64>,
+    pub y: AlignedArray,
     /// Third coordinates, one per point.
-    pub z: Vec<f64>,
+    pub z: AlignedArray,
 }
 
 impl Points {
     /// `count` points at the origin.
     #[must_use]
     pub fn zeros(count: usize) -> Self {
-        Self { x: vec![0.0; count], y: vec![0.0; count], z: vec![0.0; count] }
+        let [x, y, z] = [(); 3].map(|()| AlignedArray::zeros(count));
+        Self { x, y, z }
     }
 
     /// Number of points.
@@ -104,13 +107,9 @@ impl Clone for Points {
 
 impl FromIterator<DVec3> for Points {
     fn from_iter<I: IntoIterator<Item = DVec3>>(points: I) -> Self {
-        let mut array = Self::default();
-        for point in points {
-            array.x.push(point.x);
-            array.y.push(point.y);
-            array.z.push(point.z);
-        }
-        array
+        let points: Vec<DVec3> = points.into_iter().collect();
+        let axis = |coordinate: fn(&DVec3) -> f64| points.iter().map(coordinate).collect();
+        Self { x: axis(|point| point.x), y: axis(|point| point.y), z: axis(|point| point.z) }
     }
 }
 

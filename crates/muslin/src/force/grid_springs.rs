@@ -24,6 +24,8 @@ use crate::{Points, PointsMut};
 pub struct GridSprings {
     pub(super) grid: Grid,
     pub(super) families: Vec<GridFamily>,
+    /// Which of them have springs of a family, in the order of [`Family::ALL`], and direction; not those along edges.
+    swept: [[Option<usize>; 2]; 3],
     instructions: InstructionSet,
 }
 
@@ -76,12 +78,19 @@ impl GridSprings {
             let rest_lengths = [ahead(false), ahead(true)];
             GridFamily { family, law, direction, neighbours, rest_lengths, lines }
         });
-        Self { grid, families: groups.collect(), instructions }
+        let families: Vec<GridFamily> = groups.collect();
+        let mut swept = [[None; 2]; 3];
+        for (index, group) in families.iter().enumerate().filter(|(_, group)| group.lines != Lines::Edges) {
+            for (place, rest_length) in swept[group.family as usize].iter_mut().zip(group.rest_lengths) {
+                *place = place.or(rest_length.map(|_| index));
+            }
+        }
+        Self { grid, families, swept, instructions }
     }
 
-    /// The groups of springs, but for those along edges that are half as stiff as others of their kind.
-    pub(super) fn swept(&self) -> impl Iterator<Item = &GridFamily> {
-        self.families.iter().filter(|group| group.lines != Lines::Edges)
+    /// The groups of springs by family and direction, but for those along edges that are half as stiff as others of their kind.
+    pub(super) fn swept(&self) -> [[Option<&GridFamily>; 2]; 3] {
+        self.swept.map(|directions| directions.map(|group| group.map(|group| &self.families[group])))
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
@@ -159,13 +168,8 @@ impl GridFamily {
 
     /// A spring of the family's first or second direction under its `law`, if the group has such springs.
     #[inline(always)]
-    pub(super) fn spring_of<L: TensionLaw>(&self, law: L, index: usize) -> Option<Spring<L>> {
+    pub(super) fn spring_of<L>(&self, law: L, index: usize) -> Option<Spring<L>> {
         self.rest_lengths[index].map(|rest_length| Spring { law, rest_length, direction: self.direction })
-    }
-
-    /// Whether it has springs of the family's first or second direction.
-    pub(super) fn has_direction(&self, index: usize) -> bool {
-        self.rest_lengths[index].is_some()
     }
 
     /// A spring of `rest_length` [m].

@@ -22,7 +22,7 @@ impl Vectorise for AddGridTensors<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run(self) {
         let Self { springs, at, block, tensors } = self;
         let Some(rows) = springs.grid.block_rows(block) else { return };
         // Loops of its own, since a closure of theirs would not be compiled for the same instructions.

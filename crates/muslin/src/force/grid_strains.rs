@@ -21,7 +21,7 @@ impl Vectorise for RaiseMaxStrains<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run(self) {
         let Self { springs, positions, max_strains } = self;
         springs.for_each_spring_row(|family, pair, rest_length| {
             let max = &mut max_strains[family.family as usize];

@@ -17,6 +17,8 @@ mod row_sums;
 mod row_sweep;
 mod spring;
 mod stiffness_tensors;
+mod tile;
+mod tile_springs;
 mod wind;
 
 use std::fmt;

@@ -1,68 +1,181 @@
-//! What the springs of a row do to its particles and to later rows, one coordinate at a time.
+//! What the springs of a tile do to its particles and to later rows, one coordinate at a time.
 
-/// Adds all forces [N] along one axis on the particles of a tile: those from earlier rows, and those of the springs whose own
-/// end they are, or whose other end in the same row.
-#[inline(always)]
-pub(super) fn gather(
-    forces: &mut [f64],
-    above: &[f64],
-    (across, across_before): (&[f64], &[f64]),
-    down: &[f64],
-    (diagonal, other_diagonal): (&[f64], &[f64]),
-    (far_across, far_across_before): (&[f64], &[f64]),
-    far_down: &[f64],
-) {
-    let count = forces.len();
-    let (above, across, across_before) = (&above[..count], &across[..count], &across_before[..count]);
-    let (down, diagonal, other_diagonal) = (&down[..count], &diagonal[..count], &other_diagonal[..count]);
-    let (far_across, far_across_before) = (&far_across[..count], &far_across_before[..count]);
-    let far_down = &far_down[..count];
-    for i in 0..count {
-        let structural = above[i] + (across[i] - across_before[i]) + down[i];
-        let shear = diagonal[i] + other_diagonal[i];
-        let bend = (far_across[i] - far_across_before[i]) + far_down[i];
-        forces[i] += structural + shear + bend;
+use super::tile::{Coordinates, TILE, Tile};
+use super::tile_springs::{Ends, TileSprings};
+
+/// Room for the springs of the last particles before a tile.
+const PAD: usize = 8;
+
+type Padded = [f64; PAD + TILE];
+
+/// What the springs numbered by the particles of a tile pull at along one axis [N]. A spring's force on one end is the
+/// opposite of that on the other.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Pulls {
+    /// Of all springs but the second diagonal, on the particle itself.
+    own: Padded,
+    /// On the particle to the right.
+    right: Padded,
+    /// On the next particle but one to the right, the opposite.
+    far_right: Padded,
+    /// On the particle below, the opposite.
+    down: Padded,
+    /// On the particle below to the right, the opposite.
+    down_right: Padded,
+    /// On the particle two rows down, the opposite.
+    far_down: Padded,
+}
+
+/// The pulls along one axis [N] of the last springs of a tile on the first particles of the next in the same row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Border {
+    right: f64,
+    far_right: [f64; 2],
+    down_right: f64,
+}
+
+/// What springs of earlier rows do to the next row, and to the row after it, along one axis [N]: the opposite of it.
+pub(super) struct Pending<'a> {
+    pub(super) next: &'a mut [f64],
+    pub(super) after: &'a mut [f64],
+}
+
+impl Pulls {
+    pub(super) const ZERO: Self = Self {
+        own: [0.0; PAD + TILE],
+        right: [0.0; PAD + TILE],
+        far_right: [0.0; PAD + TILE],
+        down: [0.0; PAD + TILE],
+        down_right: [0.0; PAD + TILE],
+        far_down: [0.0; PAD + TILE],
+    };
+
+    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`.
+    #[inline(always)]
+    pub(super) fn eval(
+        &mut self,
+        springs: &TileSprings,
+        coordinates: Coordinates<'_>,
+        border: Border,
+        tile: &Tile,
+    ) {
+        self.right[PAD - 1] = border.right;
+        [self.far_right[PAD - 2], self.far_right[PAD - 1]] = border.far_right;
+        self.down_right[PAD - 1] = border.down_right;
+        eval_pulls(self, springs, coordinates, tile.padded_len());
+    }
+
+    /// What the first `count` particles leave to the next tile.
+    pub(super) fn border(&self, count: usize) -> Border {
+        // In the second to last column of a grid only the first two can be.
+        let last = PAD + count - 1;
+        Border {
+            right: self.right[last],
+            far_right: [self.far_right[last - 1], self.far_right[last]],
+            down_right: self.down_right[last],
+        }
+    }
+
+    /// Adds to `forces` all that pulls at a row of particles, which begins with number `first` of the tile, and passes on what its
+    /// springs do to later rows.
+    #[inline(always)]
+    pub(super) fn add_to_row(&self, first: usize, forces: Option<&mut [f64]>, pending: Pending<'_>) {
+        let Pending { next, after } = pending;
+        match forces {
+            Some(forces) => add_to_row(self, first, forces, next, after),
+            None => pass_down(self, first, next, after),
+        }
+    }
+
+    /// The same for the rows from the third on of a tile whose rows have `columns`, up to its particle number `count`.
+    #[inline(always)]
+    pub(super) fn add_to_rows(
+        &self,
+        columns: usize,
+        count: usize,
+        forces: Option<&mut [f64]>,
+        pending: Pending<'_>,
+    ) {
+        if let Some(forces) = forces {
+            add_within(self, columns, forces);
+        }
+        let Pending { next, after } = pending;
+        let last = count - columns;
+        after.copy_from_slice(&self.far_down[PAD + last - columns..][..columns]);
+        pass_down(self, last, next, after);
     }
 }
 
-/// What [`gather`] and [`pass_down`] do together, with the same bits, for rows of `columns` from the third of a strip on;
-/// the first of its springs has number 2.
 #[inline(always)]
-pub(super) fn gather_within(forces: &mut [f64], columns: usize, springs: [&[f64]; 6]) {
-    let [across, down, diagonal, other_diagonal, far_across, far_down] = springs;
-    let (own, above, far_above) = (2 + 2 * columns, 2 + columns, 2);
-    let count = forces.len();
-    let (down_above, down) = (&down[above..][..count], &down[own..][..count]);
-    let (across_before, across) = (&across[own - 1..][..count], &across[own..][..count]);
-    let (diagonal_above, diagonal) = (&diagonal[above - 1..][..count], &diagonal[own..][..count]);
-    let other_diagonal_above = &other_diagonal[above..][..count];
-    let other_diagonal = &other_diagonal[own - 1..][..count];
-    let (far_across_before, far_across) = (&far_across[own - 2..][..count], &far_across[own..][..count]);
-    let (far_down_above, far_down) = (&far_down[far_above..][..count], &far_down[own..][..count]);
+fn eval_pulls(pulls: &mut Pulls, springs: &TileSprings, coordinates: Coordinates<'_>, count: usize) {
+    let count = count.min(TILE);
+    let Ends { own, right, far_right, down, down_right, far_down } = Ends::of(coordinates, count);
+    let [[across_c, down_c], [diagonal_c, other_diagonal_c], [far_across_c, far_down_c]] =
+        &springs.coefficients;
+    let pulls_own = &mut pulls.own[PAD..][..count];
+    let pulls_right = &mut pulls.right[PAD..][..count];
+    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
+    let pulls_down = &mut pulls.down[PAD..][..count];
+    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
+    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
     for i in 0..count {
-        let above = -far_down_above[i] - down_above[i] - (diagonal_above[i] + other_diagonal_above[i]);
-        let structural = above + (across[i] - across_before[i]) + down[i];
-        let shear = diagonal[i] + other_diagonal[i];
-        let bend = (far_across[i] - far_across_before[i]) + far_down[i];
-        forces[i] += structural + shear + bend;
+        let across = across_c[i] * (right[i] - own[i]);
+        let below = down_c[i] * (down[i] - own[i]);
+        let diagonal = diagonal_c[i] * (down_right[i] - own[i]);
+        let other_diagonal = other_diagonal_c[i] * (down[i] - right[i]);
+        let far_across = far_across_c[i] * (far_right[i] - own[i]);
+        let far_below = far_down_c[i] * (far_down[i] - own[i]);
+        pulls_own[i] = across + below + diagonal + (far_across + far_below);
+        pulls_right[i] = other_diagonal - across;
+        pulls_far_right[i] = far_across;
+        pulls_down[i] = below + other_diagonal;
+        pulls_down_right[i] = diagonal;
+        pulls_far_down[i] = far_below;
     }
 }
 
-/// Puts into `below` all forces [N] along one axis on the next row from earlier rows and this one, and into `after` those on
-/// the row after it.
+/// Adds all forces [N] along one axis on a row of particles, and passes on.
 #[inline(always)]
-pub(super) fn pass_down(
-    below: &mut [f64],
-    after: &mut [f64],
-    down: &[f64],
-    (diagonal_before, other_diagonal): (&[f64], &[f64]),
-    far_down: &[f64],
-) {
-    let count = below.len();
-    let (after, down, far_down) = (&mut after[..count], &down[..count], &far_down[..count]);
-    let (diagonal_before, other_diagonal) = (&diagonal_before[..count], &other_diagonal[..count]);
+fn add_to_row(pulls: &Pulls, first: usize, forces: &mut [f64], next: &mut [f64], after: &mut [f64]) {
+    let count = forces.len();
+    let first = PAD + first;
+    let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
+    let far_right = &pulls.far_right[first - 2..][..count];
+    let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
+    let far_down = &pulls.far_down[first..][..count];
+    let (next, after) = (&mut next[..count], &mut after[..count]);
     for i in 0..count {
-        below[i] = after[i] - down[i] - (diagonal_before[i] + other_diagonal[i]);
-        after[i] = -far_down[i];
+        forces[i] += own[i] + right[i] - far_right[i] - next[i];
+        next[i] = after[i] + down[i] + down_right[i];
+        after[i] = far_down[i];
+    }
+}
+
+/// Passes on what the springs of a row of particles do to later rows.
+#[inline(always)]
+fn pass_down(pulls: &Pulls, first: usize, next: &mut [f64], after: &mut [f64]) {
+    let count = next.len();
+    let first = PAD + first;
+    let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
+    let far_down = &pulls.far_down[first..][..count];
+    let after = &mut after[..count];
+    for i in 0..count {
+        next[i] = after[i] + down[i] + down_right[i];
+        after[i] = far_down[i];
+    }
+}
+
+/// What [`add_to_row`] does row by row, with the same bits, for rows of `columns` from the third on.
+#[inline(always)]
+fn add_within(pulls: &Pulls, columns: usize, forces: &mut [f64]) {
+    let count = forces.len();
+    let (first, above) = (PAD + 2 * columns, PAD + columns);
+    let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
+    let far_right = &pulls.far_right[first - 2..][..count];
+    let (down, down_right) = (&pulls.down[above..][..count], &pulls.down_right[above - 1..][..count]);
+    let far_down = &pulls.far_down[PAD..][..count];
+    for i in 0..count {
+        forces[i] += own[i] + right[i] - far_right[i] - (far_down[i] + down[i] + down_right[i]);
     }
 }

@@ -36,8 +36,21 @@ impl SpringLength {
     #[inline(always)]
     #[must_use]
     pub fn from_squared(squared: f64) -> Self {
+        Self::from_guess(squared, Self::guess_inverse(squared))
+    }
+
+    /// y₀ [1/m] of a `squared` length [m²].
+    #[inline(always)]
+    #[must_use]
+    pub fn guess_inverse(squared: f64) -> f64 {
         let single = squared as f32;
-        let guess = f64::from(single.sqrt() / single);
+        f64::from(single.sqrt() / single)
+    }
+
+    /// Of a `squared` length [m²] with its `guess` y₀ [1/m] from [`guess_inverse`](Self::guess_inverse).
+    #[inline(always)]
+    #[must_use]
+    pub fn from_guess(squared: f64, guess: f64) -> Self {
         let error = 1.0 - squared * guess * guess;
         let inverse = guess + guess * error * (0.5 + 0.375 * error);
         let inverse = if squared < LEAST_SQUARE { 0.0 } else { inverse };
@@ -73,13 +86,16 @@ pub struct Spring<L> {
     pub direction: ForceDirection,
 }
 
-impl<L: TensionLaw> Spring<L> {
+impl<L> Spring<L> {
     /// The same spring under another law.
+    #[inline(always)]
     #[must_use]
-    pub fn with_law<M: TensionLaw>(&self, law: M) -> Spring<M> {
+    pub fn with_law<M>(&self, law: M) -> Spring<M> {
         Spring { law, rest_length: self.rest_length, direction: self.direction }
     }
+}
 
+impl<L: TensionLaw> Spring<L> {
     /// Coefficient c [N/m] of the force at a length; also the stiffness across the spring.
     #[inline(always)]
     #[must_use]

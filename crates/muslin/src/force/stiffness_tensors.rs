@@ -84,7 +84,7 @@ impl Vectorise for LargestEigenvalues<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run(self) {
         let Self { tensors: StiffnessTensorsMut { diagonal, off_diagonal }, eigenvalues } = self;
         let count = eigenvalues.len();
         let [xx, yy, zz] = [&diagonal.x, &diagonal.y, &diagonal.z].map(|values| &values[..count]);

@@ -97,7 +97,7 @@ impl Vectorise for LargestRates<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) -> [f64; 2] {
+    fn run(self) -> [f64; 2] {
         let Self { particles, block, varying, corrections } = self;
         let mut rates = [0.0; 2];
         for run in particles.runs(block).filter(|run| !run.is_pinned) {

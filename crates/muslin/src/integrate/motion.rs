@@ -66,7 +66,7 @@ impl Vectorise for MoveBlock<'_, '_> {
     type Output = Moved;
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) -> Moved {
+    fn run(self) -> Moved {
         let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
         let mut moved = Moved { is_finite: true, motion: Motion::default() };
         for run in particles.runs(block) {

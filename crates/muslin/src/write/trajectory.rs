@@ -267,7 +267,7 @@ mod tests {
             write_trajectory(Cursor::new(Vec::new()), times, &[], run).unwrap_err().to_string()
         };
         assert_eq!(write(&times[1..], &mut run), "2 times for 3 frames");
-        run.0[1].1.x.pop();
+        run.0[1].1.x = run.0[1].1.x[1..].into();
         assert_eq!(write(&times, &mut run), "frame 1 has 3 particles, but frame 0 has 4");
     }
 

@@ -38,7 +38,7 @@ fn heights(numbers: &SceneNumbers) -> Vec<f64> {
     // Rounding of heights is felt as a force of up to k ε H.
     let bound = 8.0 * f64::EPSILON * HEIGHT * STIFFNESS / MASS;
     settle(&model, &mut state, 0.5 * (MASS / STIFFNESS).sqrt(), bound);
-    state.positions.y
+    state.positions.y.to_vec()
 }
 
 #[test]

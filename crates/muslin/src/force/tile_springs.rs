@@ -1,0 +1,215 @@
+//! The springs of a tile, each with a coefficient.
+
+use super::grid_laws::Lines;
+use super::grid_springs::GridFamily;
+use super::law::{LawVisitor, TensionLaw};
+use super::spring::{Spring, SpringLength};
+use super::tile::{Coordinates, SHAPES, Shape, TILE, Tile};
+use crate::model::Grid;
+
+/// Something of every spring of a tile: by family in the order of [`Family::ALL`](super::Family::ALL), direction and
+/// particle.
+type OfSprings = [[[f64; ROOM]; 2]; 3];
+
+/// Not a power of two: what is a page apart, processors confuse.
+const ROOM: usize = TILE + 8;
+
+const ZERO: OfSprings = [[[0.0; ROOM]; 2]; 3];
+
+/// The springs of a tile.
+///
+/// They are found in three passes, whose loops are short enough for a processor to look ahead in them: squared lengths with a
+/// first guess of what one divides by, for all springs alike; coefficients, by the law of each family; and the pull along
+/// each axis, again for all alike.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct TileSprings {
+    /// Squared lengths [m²].
+    squares: OfSprings,
+    /// First guesses of the inverse lengths [1/m], in whose place come coefficients c [N/m] of the forces: F = c d with the
+    /// vector d from end to end; zero where there is no spring.
+    pub(super) coefficients: OfSprings,
+    /// Stiffness [N/m], where it varies.
+    pub(super) stiffnesses: OfSprings,
+}
+
+impl TileSprings {
+    pub(super) const ZERO: Self = Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO };
+
+    /// Finds the lengths of all springs of a tile whose coordinates are x, y and z.
+    #[inline(always)]
+    pub(super) fn eval_lengths(&mut self, [x, y, z]: [Coordinates<'_>; 3], tile: &Tile) {
+        eval_lengths(&mut self.squares, &mut self.coefficients, (x, y, z), tile.padded_len());
+    }
+
+    /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the law of a
+    /// `group`, and their stiffness if `BOUNDED`; without a group there are none.
+    #[inline(always)]
+    pub(super) fn eval_coefficients<const BOUNDED: bool>(
+        &mut self,
+        [index, direction]: [usize; 2],
+        group: Option<&GridFamily>,
+        tile: &Tile,
+        grid: &Grid,
+    ) {
+        let coefficients = &mut self.coefficients[index][direction];
+        let stiffnesses = &mut self.stiffnesses[index][direction];
+        let count = tile.padded_len();
+        let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
+        let Some((group, spring)) = spring else { return coefficients[..count].fill(0.0) };
+        group.law.visit(EvalCoefficients::<BOUNDED> {
+            spring,
+            squares: &self.squares[index][direction][..count],
+            coefficients: &mut coefficients[..count],
+            stiffnesses: &mut stiffnesses[..count],
+        });
+        let shape = &SHAPES[index][direction];
+        clear_absent(coefficients, shape, tile, grid);
+        if group.lines == Lines::Inner {
+            halve_edges(coefficients, shape, tile, grid);
+            halve_edges(stiffnesses, shape, tile, grid);
+        }
+    }
+}
+
+/// One coordinate [m] of the particles that springs begin and end at, one per particle of a tile.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<'a> {
+    pub(super) own: &'a [f64],
+    pub(super) right: &'a [f64],
+    pub(super) far_right: &'a [f64],
+    pub(super) down: &'a [f64],
+    pub(super) down_right: &'a [f64],
+    pub(super) far_down: &'a [f64],
+}
+
+impl<'a> Ends<'a> {
+    #[inline(always)]
+    pub(super) fn of(Coordinates { rows: [own, next, last] }: Coordinates<'a>, count: usize) -> Self {
+        Self {
+            own: &own[..count],
+            right: &own[1..][..count],
+            far_right: &own[2..][..count],
+            down: &next[..count],
+            down_right: &next[1..][..count],
+            far_down: &last[..count],
+        }
+    }
+}
+
+#[inline(always)]
+fn eval_lengths(
+    squares: &mut OfSprings,
+    guesses: &mut OfSprings,
+    (x, y, z): (Coordinates<'_>, Coordinates<'_>, Coordinates<'_>),
+    count: usize,
+) {
+    let count = count.min(TILE);
+    let (x, y, z) = (Ends::of(x, count), Ends::of(y, count), Ends::of(z, count));
+    let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = squares;
+    let [
+        [across_guess, down_guess],
+        [diagonal_guess, other_diagonal_guess],
+        [far_across_guess, far_down_guess],
+    ] = guesses;
+    for i in 0..count {
+        let square = |from: [f64; 3], to: [f64; 3]| {
+            let [dx, dy, dz] = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+            dx * dx + dy * dy + dz * dz
+        };
+        let own = [x.own[i], y.own[i], z.own[i]];
+        let right = [x.right[i], y.right[i], z.right[i]];
+        let below = [x.down[i], y.down[i], z.down[i]];
+        let below_right = [x.down_right[i], y.down_right[i], z.down_right[i]];
+        across[i] = square(own, right);
+        down[i] = square(own, below);
+        diagonal[i] = square(own, below_right);
+        other_diagonal[i] = square(right, below);
+        far_across[i] = square(own, [x.far_right[i], y.far_right[i], z.far_right[i]]);
+        far_down[i] = square(own, [x.far_down[i], y.far_down[i], z.far_down[i]]);
+        across_guess[i] = SpringLength::guess_inverse(across[i]);
+        down_guess[i] = SpringLength::guess_inverse(down[i]);
+        diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
+        other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
+        far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
+        far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
+    }
+}
+
+/// Finds coefficients and, if `BOUNDED`, stiffnesses [N/m] of springs under one law.
+struct EvalCoefficients<'a, const BOUNDED: bool> {
+    /// But for its law.
+    spring: Spring<()>,
+    squares: &'a [f64],
+    coefficients: &'a mut [f64],
+    stiffnesses: &'a mut [f64],
+}
+
+impl<const BOUNDED: bool> LawVisitor for EvalCoefficients<'_, BOUNDED> {
+    #[inline(always)]
+    fn visit<L: TensionLaw>(self, law: L) {
+        let Self { spring, squares, coefficients, stiffnesses } = self;
+        let spring = spring.with_law(law);
+        if BOUNDED {
+            eval_bounded(&spring, squares, coefficients, stiffnesses);
+        } else {
+            eval(&spring, squares, coefficients);
+        }
+    }
+}
+
+#[inline(always)]
+fn eval<L: TensionLaw>(spring: &Spring<L>, squares: &[f64], coefficients: &mut [f64]) {
+    let count = coefficients.len();
+    let squares = &squares[..count];
+    for i in 0..count {
+        coefficients[i] = spring.coefficient(SpringLength::from_guess(squares[i], coefficients[i]));
+    }
+}
+
+#[inline(always)]
+fn eval_bounded<L: TensionLaw>(
+    spring: &Spring<L>,
+    squares: &[f64],
+    coefficients: &mut [f64],
+    stiffnesses: &mut [f64],
+) {
+    let count = coefficients.len();
+    let squares = &squares[..count];
+    let stiffnesses = &mut stiffnesses[..count];
+    for i in 0..count {
+        let length = SpringLength::from_guess(squares[i], coefficients[i]);
+        (coefficients[i], stiffnesses[i]) = spring.coefficient_and_stiffness(length);
+    }
+}
+
+/// Clears the `coefficients` [N/m] of what are no springs since they lead out of the grid.
+#[inline(always)]
+fn clear_absent(coefficients: &mut [f64; ROOM], shape: &Shape, tile: &Tile, grid: &Grid) {
+    let columns = tile.columns.len();
+    // Up to two in a row, which are not worth a call.
+    let lacking = (tile.columns.end + shape.reach()).saturating_sub(grid.columns).min(columns);
+    for lack in 1..=lacking {
+        coefficients[..tile.len()]
+            .iter_mut()
+            .skip(columns - lack)
+            .step_by(columns)
+            .for_each(|value| *value = 0.0);
+    }
+    let below = grid.rows.saturating_sub(shape.rows).clamp(tile.rows.start, tile.rows.end);
+    coefficients[(below - tile.rows.start) * columns..tile.len()].fill(0.0);
+}
+
+/// Halves the `values` of springs that lie along the edges of a grid: they stand for half as wide a strip of cloth.
+fn halve_edges(values: &mut [f64; ROOM], shape: &Shape, tile: &Tile, grid: &Grid) {
+    let Tile { rows, columns } = tile;
+    for row in rows.clone() {
+        let values = &mut values[(row - rows.start) * columns.len()..][..columns.len()];
+        if shape.rows > 0 {
+            let ends = [(columns.start == 0, 0), (columns.end == grid.columns, columns.len() - 1)];
+            ends.iter().filter(|(is_edge, _)| *is_edge).for_each(|(_, column)| values[*column] *= 0.5);
+        } else if row == 0 || row + 1 == grid.rows {
+            values.iter_mut().for_each(|value| *value *= 0.5);
+        }
+    }
+}
