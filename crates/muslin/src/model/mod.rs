@@ -108,7 +108,7 @@ impl Model {
                 Fabric::Measured(fabric) => {
                     let laws = GridLaws::of_measured(fabric, &grid);
                     forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
-                    let bending = GridBending::new(grid, fabric.bending, &particles);
+                    let bending = GridBending::new(grid, fabric.bending, &particles, instructions);
                     if !bending.is_zero() {
                         forces.push(Box::new(bending));
                     }
