@@ -172,7 +172,10 @@ fn fabrics_are_listed_and_shown() {
     let outcome = work.muslin("fabric show cotton");
     outcome.assert_failure(
         2,
-        "error: there is no fabric `cotton`\n  help: fabrics: nylon-heat-bondable, typical-cotton-broadcloth, \
-         typical-polyester-faille, typical-polyester-tropical, typical-suiting, typical-wool-tropical",
+        "error: there is no fabric `cotton`\n  help: fabrics: nylon-heat-bondable, \
+         typical-cotton-broadcloth, typical-cotton-shirting, typical-denim, \
+         typical-polyester-cotton-twill, typical-polyester-faille, typical-polyester-plain, \
+         typical-polyester-tropical, typical-silk, typical-stretch-twill, typical-suiting, \
+         typical-wool-lycra, typical-wool-plain, typical-wool-tropical",
     );
 }
