@@ -50,7 +50,7 @@ pub(crate) enum Command {
     },
     /// Print the JSON Schema of the scene file
     Schema,
-    /// List the fabrics that come with muslin, or show one
+    /// List the fabrics that come with muslin, show one, or import one
     #[command(subcommand)]
     Fabric(FabricCommand),
     /// Recompute the figures and claims of the paper behind muslin, on a page
@@ -65,6 +65,17 @@ pub(crate) enum FabricCommand {
     Show {
         /// Name of the fabric, as `muslin fabric list` has it
         name: String,
+    },
+    /// Print a table for a scene from a material file of ARCSim of your own
+    ///
+    /// The file is JSON with `density` [kg/m^2], `stretching` (6 rows of c11, c12, c22, c33) and `bending` (3 rows of 5). What its
+    /// numbers become, what of it is uncertain and what is lost stands in the table's comments. Mind the licence of the file.
+    Import {
+        /// Material file (JSON)
+        file: PathBuf,
+        /// Name of the fabric; that of the file if left out
+        #[arg(long, value_name = "NAME")]
+        name: Option<String>,
     },
 }
 

@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use muslin::force::Family;
 use muslin::integrate::{Workers, guaranteed_stable_step, largest_stable_step};
-use muslin::scene::StepRule;
+use muslin::scene::{Fabric, StepRule};
 use muslin::{Model, Scene, Simulation, State, initial_step, suggested_step};
 
 use crate::args::CheckArguments;
 use crate::error::CliError;
+use crate::fabric;
 use crate::progress::{duration_text, significant};
 use crate::run::{timed_integrator, unstable};
 use crate::scene_file::SceneFile;
@@ -52,6 +53,14 @@ fn write_check(
             grid.rows,
             significant(mass)
         )?;
+    }
+    for (name, fabric) in scene.fabrics() {
+        if let Fabric::Measured(fabric) = fabric {
+            writeln!(out, "  fabric `{name}`")?;
+            for (what, value) in fabric::lines(fabric) {
+                writeln!(out, "    {what:<18} {value}")?;
+            }
+        }
     }
     writeln!(out, "  particles            {}, {} of them pinned", particles.len(), particles.pins().count())?;
     for (family, count) in Family::ALL.iter().zip(model.spring_counts()) {

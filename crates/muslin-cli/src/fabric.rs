@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use muslin::integrate::{Workers, largest_stable_step};
-use muslin::scene::{LibraryFabric, MeasuredFabric, MembraneTension};
+use muslin::scene::{BendingModel, LibraryFabric, MeasuredFabric, MembraneTension};
 use muslin::{Model, Scene};
 
 use crate::error::CliError;
@@ -49,21 +49,37 @@ fn stable_step(fabric: LibraryFabric) -> Result<f64, CliError> {
     Ok(largest_stable_step(&model, &model.initial_state(&scene), &Workers::single()))
 }
 
-/// What follows from the values of `fabric`, a comment a line.
+/// What follows from the values of `fabric`, a comment a line; `step` [s] is the largest stable one.
 fn derived(fabric: &MeasuredFabric, step: f64) -> String {
-    let mut lines = String::from("# what follows from these values\n");
-    let mut line = |what: &str, value: String| {
-        let _ = writeln!(lines, "#   {what:<22} {value}");
-    };
+    let step = format!("{} in cells of 10 mm, unstretched", duration_text(step));
+    format!("{}#   {:<22} {step}\n", properties(fabric), "largest stable step")
+}
+
+/// What follows from the values of `fabric` whatever the grid, a comment a line.
+pub(crate) fn properties(fabric: &MeasuredFabric) -> String {
+    let mut text = String::from("# what follows from these values\n");
+    for (what, value) in lines(fabric) {
+        let _ = writeln!(text, "#   {what:<22} {value}");
+    }
+    text
+}
+
+/// Names of quantities of `fabric`, and their values with units.
+pub(crate) fn lines(fabric: &MeasuredFabric) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    let mut line = |what: &'static str, value: String| lines.push((what, value));
     line("areal density", format!("{} g/m²", significant(1e3 * fabric.areal_density)));
     line("tension along warp", tension(&fabric.warp));
     line("tension along weft", tension(&fabric.weft));
     line("shear modulus", format!("{} N/m", significant(fabric.shear_modulus)));
-    let bending = fabric.bending;
+    let (bending, bending_model) = (fabric.bending, fabric.bending_model);
     let [warp, weft, bias] =
         [bending.warp, bending.weft, bending.bias()].map(|rigidity| significant(1e6 * rigidity));
     line("bending rigidity", format!("{warp} µN m along warp, {weft} along weft, {bias} at 45°"));
     let [warp, weft] = bending.bending_lengths(fabric.areal_density).map(|length| significant(1e3 * length));
+    if bending_model == BendingModel::ChoiKo {
+        line("bent by", "links that buckle at once".to_owned());
+    }
     line("bending length", format!("{warp} mm along warp, {weft} along weft"));
     let [narrowest, widest] = fabric.cell_ratios();
     line(
@@ -74,7 +90,6 @@ fn derived(fabric: &MeasuredFabric, step: f64) -> String {
             significant(widest)
         ),
     );
-    line("largest stable step", format!("{} in cells of 10 mm, unstretched", duration_text(step)));
     lines
 }
 

@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod error;
 mod fabric;
+mod fabric_import;
 mod file_progress;
 mod files;
 mod frame_store;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
         Command::Fabric(FabricCommand::List) => fabric::list(),
         Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
+        Command::Fabric(FabricCommand::Import { file, name }) => fabric_import::import(file, name.as_deref()),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

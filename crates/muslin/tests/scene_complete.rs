@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    AirSettings, BendingRigidity, Expectation, ExpectedQuantity, ExpectedRange, Fabric, ForceDirection,
-    GridSettings, GustSettings, KesTensile, LibraryFabric, LimitSettings, MeasuredFabric, MembraneTension,
-    Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene, SpringLawSettings,
-    SpringSettings, Start, StepRule, WindSettings, rigidity_from_bending_length,
+    AirSettings, BendingModel, BendingRigidity, Expectation, ExpectedQuantity, ExpectedRange, Fabric,
+    ForceDirection, GridSettings, GustSettings, KesTensile, LibraryFabric, LimitSettings, MeasuredFabric,
+    MembraneTension, Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene,
+    SpringLawSettings, SpringSettings, Start, StepRule, WindSettings, rigidity_from_bending_length,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -74,6 +74,7 @@ fn every_value_of_a_complete_scene_is_read() {
                 weft: rigidity,
                 twist: 8e-6 - 0.25 * (9.80665e-6 + rigidity)
             },
+            bending_model: BendingModel::SecondDifferences,
         }
     );
     let wool = LibraryFabric::find("typical-wool-tropical").expect("it is in the library").fabric();

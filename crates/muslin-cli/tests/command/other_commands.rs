@@ -172,7 +172,51 @@ fn fabrics_are_listed_and_shown() {
     let outcome = work.muslin("fabric show cotton");
     outcome.assert_failure(
         2,
-        "error: there is no fabric `cotton`\n  help: fabrics: nylon-heat-bondable, typical-cotton-broadcloth, \
-         typical-polyester-faille, typical-polyester-tropical, typical-suiting, typical-wool-tropical",
+        "error: there is no fabric `cotton`\n  help: fabrics: nylon-heat-bondable, \
+         typical-cotton-broadcloth, typical-cotton-shirting, typical-denim, \
+         typical-polyester-cotton-twill, typical-polyester-faille, typical-polyester-plain, \
+         typical-polyester-tropical, typical-silk, typical-stretch-twill, typical-suiting, \
+         typical-wool-lycra, typical-wool-plain, typical-wool-tropical",
+    );
+}
+
+/// Of invented numbers: what is printed is a table that a scene can have.
+#[test]
+fn a_material_file_becomes_a_fabric() {
+    let work = Work::new();
+    let row = "[100, 5, 300, 40]";
+    let material = format!(
+        "{{\"density\": 0.2, \"stretching\": [{}], \"bending\": [{}]}}",
+        [row; 6].join(", "),
+        ["[8e-5, 8e-5, 8e-5, 8e-5, 8e-5]"; 3].join(", ")
+    );
+    work.write("cloth.json", &material);
+    let outcome = work.muslin("fabric import cloth.json --name cotton");
+    outcome.assert_success();
+    for line in [
+        "[fabric.cotton]",
+        "warp = { modulus = 600.0 }",
+        "weft = { modulus = 200.0 }",
+        "#   bending rigidity       20.0 µN m along warp, 20.0 along weft, 20.0 at 45°",
+    ] {
+        assert!(outcome.stdout.lines().any(|found| found.starts_with(line)), "{line}: {}", outcome.stdout);
+    }
+    let scene = format!(
+        "title = \"sheet\"\nrun = {{ duration = 0.1 }}\nenvironment = {{ gravity = [0, -9.81, 0] }}\n{}\n\
+         [[cloth]]\nname = \"sheet\"\nfabric = \"cotton\"\n\
+         grid = {{ columns = 5, rows = 5, width = 0.2, height = 0.2 }}\n\
+         place = {{ origin = [0, 1, 0], width_axis = [1, 0, 0], height_axis = [0, 0, 1] }}\n",
+        outcome.stdout
+    );
+    work.write("scene.toml", scene);
+    let check = work.muslin("check scene.toml");
+    check.assert_success();
+    for line in ["  fabric `cotton`", "    bending rigidity   20.0 µN m", "    bending length     21.7 mm"] {
+        assert!(check.stdout.lines().any(|found| found.starts_with(line)), "{line}: {}", check.stdout);
+    }
+    work.write("cloth.json", material.replace("\"density\": 0.2, ", ""));
+    work.muslin("fabric import cloth.json").assert_failure(
+        2,
+        "error: cloth.json: `density` is missing\n  help: see `muslin fabric import --help` for what it must have",
     );
 }

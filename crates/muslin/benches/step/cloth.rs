@@ -22,6 +22,9 @@ pub(crate) struct Cloth {
     pub(crate) wind: &'static str,
     /// Whether the step is adaptive.
     pub(crate) adaptive: bool,
+    /// Whether the fabric is measured, with the same linear springs of two families, and bends by second differences in
+    /// place of springs.
+    pub(crate) measured: bool,
 }
 
 impl Cloth {
@@ -36,7 +39,15 @@ impl Cloth {
 
     /// A cloth of `width` x `width` with linear springs, under gravity and drag, at constant steps.
     pub(crate) fn new(width: usize) -> Self {
-        Self { width, law: Self::LINEAR, gravity: true, drag: true, wind: "", adaptive: false }
+        Self {
+            width,
+            law: Self::LINEAR,
+            gravity: true,
+            drag: true,
+            wind: "",
+            adaptive: false,
+            measured: false,
+        }
     }
 
     /// Number of particles.
@@ -55,6 +66,28 @@ impl Cloth {
         let step = 1.0 / (60 * 6 * width) as f64;
         let step =
             if self.adaptive { "\"adaptive\"".to_owned() } else { format!("{{ constant = {step:e} }}") };
+        let fabric = if self.measured {
+            // Square cells have k_d = G and k = K - G.
+            let drag = drag / share;
+            format!(
+                "kind = 'measured'
+                areal_density = 0.2
+                drag = {drag:e}
+                warp = {{ modulus = 650.0 }}
+                weft = {{ modulus = 650.0 }}
+                shear = {{ modulus = 150.0 }}
+                bend = {{ warp = 1e-5, weft = 1e-5 }}"
+            )
+        } else {
+            format!(
+                "kind = 'springs'
+                particle_mass = {mass:e}
+                drag = {drag:e}
+                structural = {{ {law} }}
+                shear = {{ stiffness = 150.0, law = 'linear' }}
+                bend = {{ stiffness = 60.0, law = 'linear' }}"
+            )
+        };
         let text = format!(
             "title = 'Cloth to measure'
             run = {{ duration = 100.0, frame_rate = 60.0, step = {step} }}
@@ -62,12 +95,7 @@ impl Cloth {
             gravity = [0.0, {gravity:?}, 0.0]
             {wind}
             [fabric.cotton]
-            kind = 'springs'
-            particle_mass = {mass:e}
-            drag = {drag:e}
-            structural = {{ {law} }}
-            shear = {{ stiffness = 150.0, law = 'linear' }}
-            bend = {{ stiffness = 60.0, law = 'linear' }}
+            {fabric}
             [[cloth]]
             name = 'sheet'
             fabric = 'cotton'

@@ -9,26 +9,26 @@ use super::laws::StepCount;
 use super::stepper::{Stepper, instruction_sets};
 
 /// Names of what can be counted.
-pub(crate) const CASES: [&str; 3] = ["linear-100", "linear-10", "tangent-adaptive-32"];
+pub(crate) const CASES: [&str; 4] = ["linear-100", "linear-10", "measured-100", "tangent-adaptive-32"];
 
 /// Takes `count` steps of the case `name`, or those of as many frames where the step is adaptive. Says with which instructions,
 /// and how many steps of a particle that were; `None` if there is no such case.
 pub(crate) fn run(name: &str, count: u64) -> Option<String> {
     let instructions = instruction_sets().pop()?;
     let particle_steps = match name {
-        "linear-100" => constant_steps(100, count),
-        "linear-10" => constant_steps(10, count),
+        "linear-100" => constant_steps(&Cloth::new(100), count),
+        "linear-10" => constant_steps(&Cloth::new(10), count),
+        "measured-100" => constant_steps(&Cloth { measured: true, ..Cloth::new(100) }, count),
         "tangent-adaptive-32" => adaptive_steps(32, count),
         _ => return None,
     };
     Some(format!("{} {particle_steps}", instructions.name()))
 }
 
-fn constant_steps(width: usize, count: u64) -> u64 {
-    let cloth = Cloth::new(width);
+fn constant_steps(cloth: &Cloth, count: u64) -> u64 {
     let scene = cloth.scene();
     let Some(instructions) = instruction_sets().pop() else { return 0 };
-    let mut stepper = Stepper::new(&cloth, &scene, instructions, &Workers::single());
+    let mut stepper = Stepper::new(cloth, &scene, instructions, &Workers::single());
     let start = cloth.state(&scene, stepper.model());
     // Nobody looks at the time, and rustix has no thread's time under valgrind.
     stepper.run(Clock::Wall, &start, &mut start.clone(), count);

@@ -48,6 +48,11 @@ pub(crate) fn by_law(report: &mut Report<impl Write>, budget: Budget) -> io::Res
             ("tangent", law(Cloth::TANGENT), Some(Target::AtMost(2.0))),
             ("arctangent-force", law(Cloth::ARCTANGENT), None),
             ("curve", law(Cloth::CURVE), None),
+            (
+                "linear, measured: bending by second differences",
+                Cloth { measured: true, ..linear.clone() },
+                Some(Target::AtMost(1.0)),
+            ),
             ("linear, no gravity", Cloth { gravity: false, ..linear.clone() }, None),
             ("linear, no drag", Cloth { drag: false, ..linear.clone() }, None),
             ("linear, wind on particles", Cloth { wind: PARTICLE_WIND, ..linear.clone() }, None),

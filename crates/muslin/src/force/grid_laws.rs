@@ -1,9 +1,9 @@
 //! Which springs a fabric gives a grid.
 
 use super::Family;
-use super::law::{LinearLaw, ReducedLaw, SpringLaw, TangentLaw};
+use super::law::{BucklingLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw};
 use crate::model::Grid;
-use crate::scene::{ForceDirection, MeasuredFabric, MembraneTension, SpringsFabric};
+use crate::scene::{BendingModel, ForceDirection, MeasuredFabric, MembraneTension, SpringsFabric};
 
 /// The springs of a grid, in the order in which their forces are added up.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,8 +83,30 @@ impl GridLaws {
                 lines: Lines::All,
             });
         }
+        if fabric.bending_model == BendingModel::ChoiKo {
+            groups.extend(bending_links(fabric, grid));
+        }
         Self { direction: ForceDirection::CurrentLength, groups }
     }
+}
+
+/// Links to the next particle but one, with the rigidity of `fabric` and where they are hardly bent the stiffness of the two
+/// springs that they span.
+fn bending_links(fabric: &MeasuredFabric, grid: &Grid) -> impl Iterator<Item = SpringGroup> + use<> {
+    let [hx, hy] = [grid.column_spacing, grid.row_spacing];
+    let sides = [
+        (fabric.bending.weft, fabric.weft.least_modulus(), hy, hx, [(-2, 0), (2, 0)]),
+        (fabric.bending.warp, fabric.warp.least_modulus(), hx, hy, [(0, -2), (0, 2)]),
+    ];
+    let lines = sides.into_iter().filter(|(rigidity, ..)| 0.0 < *rigidity).flat_map(|side| {
+        let (_, _, width, ..) = side;
+        [(Lines::Inner, width, side), (Lines::Edges, 0.5 * width, side)]
+    });
+    lines.map(|(lines, width, (rigidity, modulus, _, length, neighbours))| {
+        let stiffness = 0.5 * modulus * width / length;
+        let law = SpringLaw::Buckling(BucklingLaw::new(rigidity * width, stiffness, 2.0 * length));
+        SpringGroup { family: Family::Bend, law, neighbours: neighbours.to_vec(), lines }
+    })
 }
 
 const DIAGONALS: [(isize, isize); 4] = [(-1, -1), (1, -1), (-1, 1), (1, 1)];

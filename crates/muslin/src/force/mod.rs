@@ -30,7 +30,9 @@ pub use gravity::Gravity;
 pub use grid_laws::{GridLaws, Lines, SpringGroup};
 pub use grid_springs::GridSprings;
 pub use gust::Gust;
-pub use law::{ArctangentLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw, TensionLaw};
+pub use law::{
+    ArctangentLaw, BucklingLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw, TensionLaw,
+};
 pub use noise::{Noise, RandomStream};
 pub use row_sweep::Sweep;
 pub use spring::{Spring, SpringLength};

@@ -180,7 +180,9 @@ impl<L: TensionLaw> Spring<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::law::{ArctangentLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw};
+    use super::super::law::{
+        ArctangentLaw, BucklingLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw,
+    };
     use super::*;
     use crate::scene::TensionCurve;
 
@@ -188,7 +190,7 @@ mod tests {
     const REST_LENGTH: f64 = 0.8;
 
     /// Every law; a new one belongs here.
-    fn laws() -> [SpringLaw; 7] {
+    fn laws() -> [SpringLaw; 9] {
         [
             SpringLaw::Linear(LinearLaw { stiffness: 250.0 }),
             SpringLaw::Tangent(TangentLaw::new(250.0, 0.06)),
@@ -200,6 +202,8 @@ mod tests {
                 whole: TangentLaw::with_initial_stiffness(250.0, 0.06),
                 carried: 90.0,
             }),
+            SpringLaw::Buckling(BucklingLaw::new(0.3, 50.0, REST_LENGTH)),
+            SpringLaw::Buckling(BucklingLaw::new(9.0, 250.0, REST_LENGTH)),
         ]
     }
 
@@ -304,7 +308,8 @@ mod tests {
             let [current, printed] = DIRECTIONS.map(|direction| {
                 Spring { law: &law, rest_length: REST_LENGTH, direction }.force(DVec3::X * 0.88).x
             });
-            assert!((printed / current - 1.1).abs() < 4e-15, "{law:?}: {printed} to {current}");
+            let error = (printed - 1.1 * current).abs();
+            assert!(error <= 4e-15 * printed.abs(), "{law:?}: {printed} to {current}");
         }
     }
 }

@@ -20,7 +20,9 @@ use crate::force::{
     RandomStream,
 };
 use crate::limit::{GridLimit, Limit};
-use crate::scene::{Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings};
+use crate::scene::{
+    BendingModel, Fabric, GustSettings, NoiseSettings, PinPlace, RunSettings, Scene, WindSettings,
+};
 use crate::{InstructionSet, Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
@@ -108,8 +110,9 @@ impl Model {
                 Fabric::Measured(fabric) => {
                     let laws = GridLaws::of_measured(fabric, &grid);
                     forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
-                    let bending = GridBending::new(grid, fabric.bending, &particles);
-                    if !bending.is_zero() {
+                    let bending = GridBending::new(grid, fabric.bending, &particles, instructions);
+                    let is_rigidity = fabric.bending_model == BendingModel::SecondDifferences;
+                    if is_rigidity && !bending.is_zero() {
                         forces.push(Box::new(bending));
                     }
                 }

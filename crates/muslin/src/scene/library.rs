@@ -12,27 +12,30 @@ pub struct LibraryFabric {
     text: &'static str,
 }
 
+/// The fabric of the file of that name.
+macro_rules! fabric {
+    ($name:literal) => {
+        Self { name: $name, text: include_str!(concat!("../../fabrics/", $name, ".toml")) }
+    };
+}
+
 impl LibraryFabric {
     /// All fabrics, by name.
-    pub const ALL: [Self; 6] = [
-        Self { name: "nylon-heat-bondable", text: include_str!("../../fabrics/nylon-heat-bondable.toml") },
-        Self {
-            name: "typical-cotton-broadcloth",
-            text: include_str!("../../fabrics/typical-cotton-broadcloth.toml"),
-        },
-        Self {
-            name: "typical-polyester-faille",
-            text: include_str!("../../fabrics/typical-polyester-faille.toml"),
-        },
-        Self {
-            name: "typical-polyester-tropical",
-            text: include_str!("../../fabrics/typical-polyester-tropical.toml"),
-        },
-        Self { name: "typical-suiting", text: include_str!("../../fabrics/typical-suiting.toml") },
-        Self {
-            name: "typical-wool-tropical",
-            text: include_str!("../../fabrics/typical-wool-tropical.toml"),
-        },
+    pub const ALL: [Self; 14] = [
+        fabric!("nylon-heat-bondable"),
+        fabric!("typical-cotton-broadcloth"),
+        fabric!("typical-cotton-shirting"),
+        fabric!("typical-denim"),
+        fabric!("typical-polyester-cotton-twill"),
+        fabric!("typical-polyester-faille"),
+        fabric!("typical-polyester-plain"),
+        fabric!("typical-polyester-tropical"),
+        fabric!("typical-silk"),
+        fabric!("typical-stretch-twill"),
+        fabric!("typical-suiting"),
+        fabric!("typical-wool-lycra"),
+        fabric!("typical-wool-plain"),
+        fabric!("typical-wool-tropical"),
     ];
 
     /// The fabric called `name`, if there is one.

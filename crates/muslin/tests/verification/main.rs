@@ -9,6 +9,7 @@ mod adaptive;
 mod aerodynamics;
 mod cantilever;
 mod catenary;
+mod choi_ko;
 mod conservation;
 mod energy;
 mod estimator;

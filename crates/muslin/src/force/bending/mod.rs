@@ -1,16 +1,16 @@
 //! Bending rigidity of a grid, by second differences.
 
+mod row_products;
 #[cfg(test)]
 mod tests;
 
 use std::ops::Range;
 
-use glam::DVec3;
-
+use self::row_products::AddProducts;
 use super::{Configuration, Family, Force, PotentialEnergies, Sweep};
 use crate::model::{Grid, Particles};
 use crate::scene::BendingRigidity;
-use crate::{Points, PointsMut};
+use crate::{InstructionSet, Points, PointsMut};
 
 /// Weights of particles in the second difference of three in a line.
 const SECOND_DIFFERENCE: [f64; 3] = [1.0, -2.0, 1.0];
@@ -42,8 +42,9 @@ pub struct GridBending {
     along_columns: f64,
     along_rows: f64,
     twist: f64,
-    /// Triples at clamps, as far as they count twice.
+    /// Triples at clamps, as far as they count twice, by the particles around which they are.
     clamps: Vec<Triple>,
+    instructions: InstructionSet,
 }
 
 /// Three particles in a line with the energy ½ c |x₀ − 2 x₁ + x₂|².
@@ -67,9 +68,15 @@ struct Weights {
 }
 
 impl GridBending {
-    /// The rigidity of `grid`, which has at least two columns and rows, some of whose `particles` are pinned.
+    /// The rigidity of `grid`, which has at least two columns and rows, some of whose `particles` are pinned, evaluated with
+    /// `instructions`.
     #[must_use]
-    pub fn new(grid: Grid, rigidity: BendingRigidity, particles: &Particles) -> Self {
+    pub fn new(
+        grid: Grid,
+        rigidity: BendingRigidity,
+        particles: &Particles,
+        instructions: InstructionSet,
+    ) -> Self {
         let (hx, hy) = (grid.column_spacing, grid.row_spacing);
         let mut bending = Self {
             grid,
@@ -77,6 +84,7 @@ impl GridBending {
             along_rows: rigidity.warp * hx / (hy * hy * hy),
             twist: 4.0 * rigidity.twist / (hx * hy),
             clamps: Vec::new(),
+            instructions,
         };
         let mut clamps = Vec::new();
         bending.for_each_triple(|triple| {
@@ -85,6 +93,7 @@ impl GridBending {
                 clamps.push(triple);
             }
         });
+        clamps.sort_by_key(|clamp| clamp.particles[1]);
         bending.clamps = clamps;
         bending
     }
@@ -146,31 +155,9 @@ impl GridBending {
     /// Adds `factor` K x to `sums` for the particles of `block`, with the constant tangent K and `points` x of all
     /// particles.
     fn add_products(&self, points: &Points, factor: f64, block: &Range<usize>, sums: &mut PointsMut<'_>) {
-        let Some(block_rows) = self.grid.block_rows(block) else { return };
-        let Grid { columns, .. } = self.grid;
-        // Columns between these have all neighbours in their rows.
-        let inner = if columns < 5 { columns..columns } else { 2..columns - 2 };
-        for row in block_rows {
-            let first = self.grid.particle(0, row) - block.start;
-            let outer = (0..inner.start.min(columns)).chain(inner.end..columns);
-            for column in outer {
-                let neighbours = self.neighbours(column, row);
-                sums.add(
-                    first + column,
-                    self.product(points, self.grid.particle(column, row), &neighbours) * factor,
-                );
-            }
-            if !inner.is_empty() {
-                let neighbours =
-                    self.neighbours(inner.start, row).map(|(place, weight)| (place, factor * weight));
-                let own = self.grid.particle(inner.start, row);
-                let range = first + inner.start..first + inner.end;
-                add_row(&points.x, own, &neighbours, &mut sums.x[range.clone()]);
-                add_row(&points.y, own, &neighbours, &mut sums.y[range.clone()]);
-                add_row(&points.z, own, &neighbours, &mut sums.z[range]);
-            }
-        }
-        for clamp in &self.clamps {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        self.instructions.run(AddProducts { bending: self, points, factor, rows, sums });
+        for clamp in self.clamps_near(block) {
             let [a, b, c] = clamp.particles.map(|particle| points.get(particle));
             let product = ((a - b) + (c - b)) * (factor * clamp.coefficient);
             for (particle, weight) in clamp.particles.into_iter().zip(SECOND_DIFFERENCE) {
@@ -179,6 +166,14 @@ impl GridBending {
                 }
             }
         }
+    }
+
+    /// The clamps around particles of `block` and of the rows beside it.
+    fn clamps_near(&self, block: &Range<usize>) -> &[Triple] {
+        let columns = self.grid.columns;
+        let first = self.clamps.partition_point(|clamp| clamp.particles[1] + columns < block.start);
+        let end = self.clamps.partition_point(|clamp| clamp.particles[1] < block.end + columns);
+        &self.clamps[first..end]
     }
 
     /// The neighbours of the particle at `column`, `row` with their weights [N/m]; itself, without weight, for those that
@@ -208,45 +203,6 @@ impl GridBending {
             place(-1, 1, diagonals[2]),
             place(1, 1, diagonals[3]),
         ]
-    }
-
-    /// The product [N] of one particle, whose own weight is what makes the sum of all zero.
-    fn product(&self, points: &Points, own: usize, neighbours: &[(usize, f64); 12]) -> DVec3 {
-        let place = points.get(own);
-        neighbours
-            .iter()
-            .fold(DVec3::ZERO, |sum, &(neighbour, weight)| sum + (points.get(neighbour) - place) * weight)
-    }
-}
-
-/// Adds to `sums` of consecutive particles from `own` on the weighted differences to their neighbours. Those of the first
-/// particle are given; the others have theirs at the same distance.
-fn add_row(values: &[f64], own: usize, neighbours: &[(usize, f64); 12], sums: &mut [f64]) {
-    let count = sums.len();
-    let own = &values[own..][..count];
-    let [a, b, c, d, e, f, g, h, k, l, m, n] = neighbours.map(|(first, _)| &values[first..][..count]);
-    // Within a row the weights of both sides are equal.
-    let [(_, near), (_, far)] = [neighbours[1], neighbours[0]];
-    let along = [4, 5, 6, 7].map(|place: usize| neighbours[place].1);
-    let [before, after] = [8, 10].map(|place: usize| neighbours[place].1);
-    if along[0] == along[3] && along[1] == along[2] && before == after {
-        // So are those of rows on both sides, but near an edge.
-        let [along_far, along_near, diagonal] = [along[0], along[1], before];
-        for i in 0..count {
-            let (x, twice) = (own[i], 2.0 * own[i]);
-            let across = far * ((a[i] + d[i]) - twice) + near * ((b[i] + c[i]) - twice);
-            let along = along_far * ((e[i] + h[i]) - twice) + along_near * ((f[i] + g[i]) - twice);
-            sums[i] += (across + along) + diagonal * (((k[i] + n[i]) + (l[i] + m[i])) - 4.0 * x);
-        }
-        return;
-    }
-    for i in 0..count {
-        let x = own[i];
-        let across = far * ((a[i] - x) + (d[i] - x)) + near * ((b[i] - x) + (c[i] - x));
-        let behind = along[0] * (e[i] - x) + along[1] * (f[i] - x);
-        let ahead = along[2] * (g[i] - x) + along[3] * (h[i] - x);
-        let diagonals = before * ((k[i] - x) + (l[i] - x)) + after * ((m[i] - x) + (n[i] - x));
-        sums[i] += across + ((behind + ahead) + diagonals);
     }
 }
 
@@ -312,7 +268,7 @@ impl Force for GridBending {
                 bounds[self.grid.particle(column, row) - block.start] += own.abs() + others.sum::<f64>();
             }
         }
-        for Triple { particles, coefficient } in &self.clamps {
+        for Triple { particles, coefficient } in self.clamps_near(block) {
             for (&particle, weight) in particles.iter().zip(SECOND_DIFFERENCE) {
                 if block.contains(&particle) {
                     let others = particles.iter().zip(SECOND_DIFFERENCE);

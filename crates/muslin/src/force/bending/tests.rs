@@ -1,5 +1,7 @@
 //! The rigidity against its energy, its tangent and plates.
 
+use glam::DVec3;
+
 use super::*;
 use crate::scene::GridSettings;
 
@@ -7,7 +9,7 @@ const RIGIDITY: BendingRigidity = BendingRigidity { warp: 3e-6, weft: 7e-6, twis
 
 /// Grids from the smallest to those with an inside, one of whose corners is held by a clamp of 2 x 2 pins.
 fn cases() -> Vec<(GridBending, Particles)> {
-    let sizes = [(2, 2), (3, 2), (2, 5), (4, 4), (5, 3), (9, 6)];
+    let sizes = [(2, 2), (3, 2), (2, 5), (4, 4), (5, 3), (9, 6), (21, 6)];
     sizes.map(|(columns, rows)| bending(columns, rows, &[(0, 0), (1, 0), (0, 1), (1, 1)])).to_vec()
 }
 
@@ -18,7 +20,7 @@ fn bending(columns: usize, rows: usize, pins: &[(usize, usize)]) -> (GridBending
     for &(column, row) in pins {
         particles.pin(grid.particle(column, row));
     }
-    (GridBending::new(grid, RIGIDITY, &particles), particles)
+    (GridBending::new(grid, RIGIDITY, &particles, InstructionSet::best()), particles)
 }
 
 /// Points without any order, below 1 m.
@@ -29,6 +31,11 @@ fn crumpled(count: usize) -> Points {
 
 fn configuration<'a>(particles: &'a Particles, positions: &'a Points) -> Configuration<'a> {
     Configuration { time: 0.0, particles, positions, velocities: positions }
+}
+
+/// The same rigidity, evaluated with `instructions`.
+fn with(instructions: InstructionSet, bending: &GridBending) -> GridBending {
+    GridBending { instructions, ..bending.clone() }
 }
 
 fn forces(bending: &GridBending, particles: &Particles, positions: &Points, block_size: usize) -> Points {
@@ -135,12 +142,24 @@ fn a_clamp_is_half_a_cell_long() {
     }
 }
 
+/// Rows that are shorter than a vector, fill some, and are longer than what is worked on at a time.
 #[test]
-fn blocks_do_not_change_a_bit() {
-    for (bending, particles) in cases() {
+fn blocks_and_instructions_do_not_change_a_bit() {
+    let pins = [(0, 0), (1, 0), (0, 1), (1, 1)];
+    let wide = [(17, 3), (41, 5), (300, 4), (513, 9)].map(|(columns, rows)| bending(columns, rows, &pins));
+    for (bending, particles) in cases().into_iter().chain(wide) {
         let positions = crumpled(particles.len());
         let whole = forces(&bending, &particles, &positions, usize::MAX);
-        assert_eq!(forces(&bending, &particles, &positions, 1), whole);
+        for instructions in InstructionSet::available() {
+            let bending = with(instructions, &bending);
+            assert_eq!(forces(&bending, &particles, &positions, 1), whole, "{}", instructions.name());
+            assert_eq!(
+                forces(&bending, &particles, &positions, usize::MAX),
+                whole,
+                "{}",
+                instructions.name()
+            );
+        }
     }
 }
 

@@ -1,12 +1,14 @@
 //! Laws of tension against extension.
 
 mod arctangent;
+mod buckling;
 mod curve;
 mod linear;
 mod reduced;
 mod tangent;
 
 pub use arctangent::ArctangentLaw;
+pub use buckling::BucklingLaw;
 pub use curve::CurveLaw;
 pub use linear::LinearLaw;
 pub use reduced::ReducedLaw;
@@ -96,6 +98,8 @@ pub enum SpringLaw {
     Curve(CurveLaw),
     /// Of a measured fabric that stiffens, beside shear springs.
     ReducedTangent(ReducedLaw<TangentLaw>),
+    /// Of a measured fabric whose bending is that of links.
+    Buckling(BucklingLaw),
 }
 
 impl SpringLaw {
@@ -129,6 +133,7 @@ impl SpringLaw {
             Self::Arctangent(law) => visitor.visit(*law),
             Self::Curve(law) => visitor.visit(law),
             Self::ReducedTangent(law) => visitor.visit(*law),
+            Self::Buckling(law) => visitor.visit(*law),
         }
     }
 
@@ -153,6 +158,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.tension(extension, rest_length),
             Self::Curve(law) => law.tension(extension, rest_length),
             Self::ReducedTangent(law) => law.tension(extension, rest_length),
+            Self::Buckling(law) => law.tension(extension, rest_length),
         }
     }
 
@@ -163,6 +169,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.tangent(extension, rest_length),
             Self::Curve(law) => law.tangent(extension, rest_length),
             Self::ReducedTangent(law) => law.tangent(extension, rest_length),
+            Self::Buckling(law) => law.tangent(extension, rest_length),
         }
     }
 
@@ -173,6 +180,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.tension_and_tangent(extension, rest_length),
             Self::Curve(law) => law.tension_and_tangent(extension, rest_length),
             Self::ReducedTangent(law) => law.tension_and_tangent(extension, rest_length),
+            Self::Buckling(law) => law.tension_and_tangent(extension, rest_length),
         }
     }
 
@@ -183,6 +191,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.tension_by_length(tension, at, rest_length),
             Self::Curve(law) => law.tension_by_length(tension, at, rest_length),
             Self::ReducedTangent(law) => law.tension_by_length(tension, at, rest_length),
+            Self::Buckling(law) => law.tension_by_length(tension, at, rest_length),
         }
     }
 
@@ -193,6 +202,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.energy(extension, rest_length),
             Self::Curve(law) => law.energy(extension, rest_length),
             Self::ReducedTangent(law) => law.energy(extension, rest_length),
+            Self::Buckling(law) => law.energy(extension, rest_length),
         }
     }
 
@@ -203,6 +213,7 @@ impl TensionLaw for SpringLaw {
             Self::Arctangent(law) => law.energy_moment(extension, rest_length),
             Self::Curve(law) => law.energy_moment(extension, rest_length),
             Self::ReducedTangent(law) => law.energy_moment(extension, rest_length),
+            Self::Buckling(law) => law.energy_moment(extension, rest_length),
         }
     }
 }

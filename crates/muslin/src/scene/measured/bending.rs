@@ -34,6 +34,16 @@ impl BendingRigidity {
     }
 }
 
+/// What a rigidity becomes on a grid: `bend.model`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BendingModel {
+    /// `"second-differences"` of positions: a rigidity from the first curvature on, and against twist.
+    #[default]
+    SecondDifferences,
+    /// `"choi-ko"`: links to the next particle but one that buckle at once (Choi and Ko 2002), without resistance to twist.
+    ChoiKo,
+}
+
 /// Rigidity B [N m] per width from the bending length c [m] of a fabric of `areal_density` ρ [kg/m²]: B = ρ g c³.
 ///
 /// By Peirce (1930) c is the length of a strip that bends under its own weight by 41.5°, halved; ASTM D1388 and ISO 9073-7

@@ -8,7 +8,7 @@ mod shear;
 mod tensile;
 pub(super) mod units;
 
-pub use bending::{BendingRigidity, rigidity_from_bending_length};
+pub use bending::{BendingModel, BendingRigidity, rigidity_from_bending_length};
 pub use shear::{shear_modulus_from_bias_extension, shear_modulus_per_radian};
 pub use tensile::{KesTensile, KesTensileError, MembraneTension};
 
@@ -41,6 +41,8 @@ pub struct MeasuredFabric {
     pub shear_modulus: f64,
     /// Rigidity against bending.
     pub bending: BendingRigidity,
+    /// What that becomes on a grid.
+    pub bending_model: BendingModel,
 }
 
 impl MeasuredFabric {

@@ -11,7 +11,7 @@ use super::value::{NumberRule, Value, rounded, with_decimals};
 use crate::scene::data::DataFiles;
 use crate::scene::error::SceneErrorKind;
 use crate::scene::{
-    BendingRigidity, Fabric, GridSettings, MeasuredFabric, MembraneTension, SceneError,
+    BendingModel, BendingRigidity, Fabric, GridSettings, MeasuredFabric, MembraneTension, SceneError,
     rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian,
 };
 
@@ -31,13 +31,15 @@ pub(super) fn read(
 
     require_kind(kind)?;
     let areal_density = areal_density.required()?.si;
+    let (bending, bending_model) = read_bending(bend, areal_density)?;
     Ok(MeasuredFabric {
         areal_density,
         drag: drag.number("kg/(s m^2)", NumberRule::NotNegative)?,
         warp: tension::read(warp, files)?,
         weft: tension::read(weft, files)?,
         shear_modulus: read_shear(shear)?,
-        bending: read_bending(bend, areal_density)?,
+        bending,
+        bending_model,
     })
 }
 
@@ -62,21 +64,36 @@ fn read_shear(entry: Entry) -> Result<f64, SceneError> {
     }
 }
 
-fn read_bending(entry: Entry, areal_density: f64) -> Result<BendingRigidity, SceneError> {
+fn read_bending(entry: Entry, areal_density: f64) -> Result<(BendingRigidity, BendingModel), SceneError> {
     const HELP: &str = "write `bend = { warp = ..., weft = ... }` with rigidities in N m";
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let warp = table.take("warp");
     let weft = table.take("weft");
     let bias = table.take("bias");
+    let model = table.take("model");
     table.finish()?;
 
+    let model = match model.optional() {
+        None => BendingModel::default(),
+        Some(name) => name.choice(
+            "is not a model of bending",
+            &[("second-differences", BendingModel::SecondDifferences), ("choi-ko", BendingModel::ChoiKo)],
+        )?,
+    };
     let warp = read_rigidity(warp.required("N m", RIGIDITY_HELP)?, areal_density)?;
     let weft = read_rigidity(weft.required("N m", RIGIDITY_HELP)?, areal_density)?;
     let least = 0.25 * (warp + weft);
     let Some(value) = bias.optional() else {
-        // Then a strip at 45° bends as the mean of warp and weft.
-        return Ok(BendingRigidity { warp, weft, twist: least });
+        // A strip at 45° bends as the mean of warp and weft, unless nothing resists twist.
+        let twist = if model == BendingModel::ChoiKo { 0.0 } else { least };
+        return Ok((BendingRigidity { warp, weft, twist }, model));
     };
+    if model == BendingModel::ChoiKo {
+        return Err(value.error(SceneErrorKind::Inconsistent {
+            message: format!("`{}` is given, but links of the model \"choi-ko\" resist no twist", value.path),
+            help: "leave it out, or leave out the model for second differences".to_owned(),
+        }));
+    }
     let bias = read_rigidity(value.clone(), areal_density)?;
     if bias < least {
         return Err(value.error(SceneErrorKind::Inconsistent {
@@ -90,7 +107,7 @@ fn read_bending(entry: Entry, areal_density: f64) -> Result<BendingRigidity, Sce
                 .to_owned(),
         }));
     }
-    Ok(BendingRigidity { warp, weft, twist: bias - least })
+    Ok((BendingRigidity { warp, weft, twist: bias - least }, model))
 }
 
 const RIGIDITY_HELP: &str =
