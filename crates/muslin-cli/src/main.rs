@@ -9,6 +9,7 @@ mod error;
 mod fabric;
 mod file_progress;
 mod files;
+mod fit;
 mod folder;
 mod frame_store;
 mod memory;
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
         Command::Fabric(FabricCommand::List) => fabric::list(),
         Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
+        Command::Fit(arguments) => fit::fit(arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {
