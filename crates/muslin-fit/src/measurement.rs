@@ -56,7 +56,13 @@ impl Measurement {
         let text = data_text(bytes).map_err(data_error)?;
         let names = column_names(text);
         let Some(kind) = Kind::of_columns(&names) else {
-            let message = if names.is_empty() { "holds no table" } else { "has no column of a test" };
+            let message = match names.first() {
+                None => "holds no table",
+                Some(name) if name.parse::<f64>().is_ok() => {
+                    "has numbers, but the first line must be a header"
+                }
+                Some(_) => "has no column of a test",
+            };
             let help = "begin with a header such as `strain [%],tension [gf/cm]`, `angle [deg],force [gf/cm]`, \
                         `curvature [1/cm],moment [gf cm/cm]`, `overhang [mm],angle [deg]`, `bending_length [mm]`, \
                         `emt [%],lt [1],force [gf/cm]`, `g [gf/(cm deg)]` or `b [gf cm^2/cm]`";
@@ -87,8 +93,8 @@ fn read_data(text: &str, kind: Kind) -> Result<Data, CellError> {
     Ok(match kind {
         Kind::Tensile => Data::Tensile(read_tensile(text)?),
         Kind::KesTensile => Data::KesTensile(read_kes_tensile(text)?),
-        Kind::Shear => Data::Shear(read_loop(text, SHEAR, &SHEAR_RULE)?),
-        Kind::Bend => Data::Bend(read_loop(text, BEND, &BEND_RULE)?),
+        Kind::Shear => Data::Shear(read_loop(text, SHEAR, &SHEAR_RULE, &ANGLE_REACH)?),
+        Kind::Bend => Data::Bend(read_loop(text, BEND, &BEND_RULE, &CURVATURE_REACH)?),
         Kind::Cantilever => Data::Cantilever(read_cantilever(text)?),
         Kind::ShearModulus => Data::ShearModulus(read_values(text, SHEAR_MODULUS, &SHEAR_MODULUS_RULE)?),
         Kind::Rigidity => Data::Rigidity(read_values(text, RIGIDITY, &RIGIDITY_RULE)?),
@@ -101,6 +107,52 @@ struct Rule {
     holds: fn(f64) -> bool,
     rule: &'static str,
     help: &'static str,
+}
+
+/// How far a column must reach, in SI units, for its unit to be that of the numbers.
+struct Reach {
+    least: f64,
+    rule: &'static str,
+    help: &'static str,
+}
+
+const STRAIN_REACH: Reach = Reach {
+    least: 0.001,
+    rule: "reach 0.1 %",
+    help: "head the column `strain [1]` if it is a fraction of the length; see that the columns stand below their names",
+};
+
+const ANGLE_REACH: Reach = Reach {
+    least: 0.5 * std::f64::consts::PI / 180.0,
+    rule: "reach 0.5 degrees",
+    help: "head the column `angle [rad]` if it is in radians; see that the columns stand below their names",
+};
+
+const CURVATURE_REACH: Reach = Reach {
+    least: 5.0,
+    rule: "reach 0.05 per centimetre",
+    help: "see that the unit is that of the numbers, and that the columns stand below their names",
+};
+
+impl Reach {
+    /// Checks the first column of `table` of `text`.
+    fn check(&self, text: &str, table: &DataTable<2>, columns: &[Column; 2]) -> Result<(), CellError> {
+        let rows = table.rows();
+        let farther =
+            |best: usize, row: usize| if rows[best][0].abs() < rows[row][0].abs() { row } else { best };
+        let farthest = (0..rows.len()).fold(0, farther);
+        if self.least <= rows[farthest][0].abs() {
+            return Ok(());
+        }
+        let span = table.span(farthest, 0);
+        let message = format!(
+            "{} is {} where it is largest, but must {}",
+            columns[0].name,
+            &text[span.clone()],
+            self.rule
+        );
+        Err(CellError::at(text, span, message, self.help.to_owned()))
+    }
 }
 
 const STRAIN_RULE: Rule = Rule {
@@ -140,18 +192,19 @@ const SHEAR_MODULUS_RULE: Rule = Rule {
     help: "see that the unit is that of the numbers; woven fabrics have some 0.3 to 2 gf/(cm deg)",
 };
 
-pub(crate) const RIGIDITIES: std::ops::RangeInclusive<f64> = 1e-8..=1e-2;
+pub(crate) const RIGIDITIES: std::ops::RangeInclusive<f64> = 1e-8..=2e-3;
 
 const RIGIDITY_RULE: Rule = Rule {
     holds: |rigidity| RIGIDITIES.contains(&rigidity),
-    rule: "be from 1e-8 to 1e-2 N m (1e-4 to 100 gf cm^2/cm)",
+    rule: "be from 1e-8 to 2e-3 N m (1e-4 to 20 gf cm^2/cm)",
     help: "see that the unit is that of the numbers; clothing has some 0.01 to 1 gf cm^2/cm",
 };
 
 const EMT_RULE: Rule = Rule {
-    holds: |strain| 0.0 < strain && strain < 1.0,
-    rule: "be above 0 and below 1 (100 %)",
-    help: "head the column `emt [%]` if it is in per cent; see that the columns stand below their names",
+    holds: |strain| (0.001..1.0).contains(&strain),
+    rule: "be from 0.1 to 100 %",
+    help: "head the column `emt [%]` if it is in per cent and `emt [1]` if it is a fraction; see that the columns stand below their \
+           names",
 };
 
 const POSITIVE_RULE: Rule = Rule {
@@ -209,6 +262,7 @@ fn read_tensile(text: &str) -> Result<Vec<[f64; 2]>, CellError> {
     let table = DataTable::read(text, TENSILE)?;
     STRAIN_RULE.check(text, &table, &TENSILE, 0)?;
     check_extent(text, &table, &TENSILE)?;
+    STRAIN_REACH.check(text, &table, &TENSILE)?;
     let rows = table.rows();
     let top = crate::tension::turning_point(rows);
     let margin = STEP_BACK * rows[top][0];
@@ -262,10 +316,16 @@ fn read_kes_tensile(text: &str) -> Result<Vec<KesTensile>, CellError> {
 }
 
 /// Rows of a shear or bending test.
-fn read_loop(text: &str, columns: [Column; 2], rule: &Rule) -> Result<Vec<[f64; 2]>, CellError> {
+fn read_loop(
+    text: &str,
+    columns: [Column; 2],
+    rule: &Rule,
+    reach: &Reach,
+) -> Result<Vec<[f64; 2]>, CellError> {
     let table = DataTable::read(text, columns)?;
     rule.check(text, &table, &columns, 0)?;
     check_extent(text, &table, &columns)?;
+    reach.check(text, &table, &columns)?;
     let turns = crate::path::turning_points(table.rows().iter().map(|row| row[0]));
     // A closed loop turns twice, and a few loops may follow each other.
     const MOST_TURNS: usize = 20;

@@ -15,7 +15,7 @@ pub struct Outcome {
     pub direction: Option<Direction>,
     /// The constants of the law.
     pub parameters: Vec<Parameter>,
-    /// Correlations of the constants, in their order.
+    /// Correlations of the constants, in their order; empty where nothing tells them.
     pub correlations: Vec<Vec<f64>>,
     /// How ill the constants are told apart: ratio of the largest to the least singular value of the derivatives, each scaled to
     /// one. 1 at best; above 10⁴ two constants do the same.

@@ -17,7 +17,7 @@ use crate::table::{interpolated, monotone_table};
 pub const LARGEST_MISFIT: f64 = 0.02;
 
 /// Moduli [N/m] of anything that is cloth, by far.
-const MODULI: std::ops::RangeInclusive<f64> = 0.1..=1e8;
+const MODULI: std::ops::RangeInclusive<f64> = 0.1..=5e6;
 
 /// How far above the largest strain the asymptote is at least, in parts.
 const LEAST_ROOM: f64 = 1e-3;
@@ -135,7 +135,7 @@ pub(crate) fn fit_kes(
         file: file.to_owned(),
         kind: Kind::KesTensile,
         direction: Some(direction),
-        correlations: if scales.is_empty() { vec![vec![1.0]] } else { correlations_of(&moduli, &scales) },
+        correlations: correlations_of(&moduli, &scales),
         condition: 1.0,
         parameters,
         results: Vec::new(),
@@ -160,13 +160,16 @@ pub(crate) fn no_scatter(subject: &str, row: &str) -> Undetermined {
     }
 }
 
-/// Correlations of two lists of equal length; 0 of fewer than three values.
+/// Correlations of the values of specimens; none where there is but one constant, or fewer than three specimens to tell them from.
 fn correlations_of(first: &[f64], second: &[f64]) -> Vec<Vec<f64>> {
+    if second.len() < 3 {
+        return Vec::new();
+    }
     let (x, y) = (mean(first).0, mean(second).0);
     let sum =
         |f: &dyn Fn(f64, f64) -> f64| first.iter().zip(second).map(|(a, b)| f(a - x, b - y)).sum::<f64>();
     let product = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
-    let correlation = if 2 < first.len() && 0.0 < product { sum(&|a, b| a * b) / product } else { 0.0 };
+    let correlation = if 0.0 < product { sum(&|a, b| a * b) / product } else { 0.0 };
     vec![vec![1.0, correlation], vec![correlation, 1.0]]
 }
 

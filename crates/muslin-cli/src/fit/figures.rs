@@ -46,22 +46,26 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
     let measured = outcome.points.iter().map(|point| [x * point.at, y * point.measured]);
     let fitted = outcome.points.iter().map(|point| [x * point.at, y * point.fitted]);
     let rest = outcome.points.iter().map(|point| [x * point.at, y * (point.measured - point.fitted)]);
+    let rest: Vec<[f64; 2]> = rest.collect();
+    // Both signs alike, with room for the marks; some room too where nothing is left.
+    let largest =
+        rest.iter().fold(f64::MIN_POSITIVE.sqrt(), |largest, point| largest.max(1.08 * point[1].abs()));
     let ends = outcome.points.iter().map(|point| x * point.at);
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let curve = Plot {
         x: Axis::linear(axes.x.0),
         y: Axis::linear(axes.y.0),
         series: vec![
-            Series::new("measured", 1, Style::Marks, measured),
-            Series::new("fitted", 2, Style::Line, fitted),
+            Series::new("measured", 2, Style::Marks, measured),
+            Series::new("fitted", 1, Style::Line, fitted),
         ],
     };
     let residuals = Plot {
         x: Axis::linear(axes.x.0),
-        y: Axis::linear(format!("measured less fitted, {}", axes.y.0)),
+        y: Axis::linear(format!("measured less fitted, {}", axes.y.0)).between(-largest, largest),
         series: vec![
-            Series::new("residual", 1, Style::Marks, rest),
-            Series::new("none", 0, Style::Guide, [[low, 0.0], [high, 0.0]]),
+            Series::new("measured", 2, Style::Marks, rest.iter().copied()),
+            Series::new("fitted", 1, Style::Guide, [[low, 0.0], [high, 0.0]]),
         ],
     };
     let subject = outcome.subject();

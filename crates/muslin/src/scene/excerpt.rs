@@ -44,7 +44,7 @@ pub(super) fn render(error: &SceneError, name: &str, text: &str) -> String {
 /// See [`CellError::render`].
 pub(super) fn render_cell(error: &CellError, name: &str) -> String {
     let place = (name.to_owned(), error.position, error.line.clone());
-    let line = error.position.map_or(String::new(), |position| format!(" line {}", position.line));
+    let line = error.position.map_or(String::new(), |position| format!(" line {}:", position.line));
     lines_of(&format!("`{name}`{line} {}", error.message), &[place], Some(&error.help))
 }
 
