@@ -4,7 +4,6 @@ use muslin::scene::MembraneTension;
 
 use crate::FitError;
 use crate::bending::{fit_bending_lengths, fit_cantilever, fit_rigidities};
-use crate::columns::Kind;
 use crate::estimate::{Estimate, Undetermined};
 use crate::friction::{SlopeFit, fit_bend, fit_shear, fit_shear_moduli};
 use crate::label::{Direction, Test};
@@ -278,7 +277,7 @@ fn check_twice(before: &[Measurement], measurement: &Measurement) -> Result<(), 
 fn too_wide(outcome: &Outcome, parameter: &crate::Parameter) -> Option<Undetermined> {
     let [low, high] = parameter.estimate.interval?;
     let is_wide = 0.0 < low && WIDEST_INTERVAL * low < high;
-    (is_wide && outcome.kind != Kind::Cantilever).then(|| Undetermined {
+    is_wide.then(|| Undetermined {
         what: format!("{} of {}", parameter.name, outcome.subject()),
         why: format!("anything from {low:.3e} to {high:.3e} {} fits", parameter.unit).replace("  ", " "),
         remedy: "measure more points, or over a larger range".to_owned(),

@@ -1,6 +1,7 @@
 //! Bad data, each with the whole message that a person gets.
 
-use muslin_fit::{FabricFit, Label, Measurement};
+use muslin_fit::{FabricFit, FabricText, Label, Measurement};
+use proptest::prelude::*;
 
 /// One file, and what it leads to.
 struct Case {
@@ -74,4 +75,66 @@ fn two_files_of_one_test_have_their_message() {
         "error: `a.csv` and `b.csv` both hold a cantilever test along the warp\n  \
          help: fit each specimen by itself, or give one file of the mean curve"
     );
+}
+
+/// Headers of all kinds of tables, each with a label.
+const HEADERS: [(&str, &str); 8] = [
+    ("warp", "strain [%],tension [gf/cm]"),
+    ("warp", "emt [%],lt [1],force [gf/cm]"),
+    ("shear", "angle [deg],force [gf/cm]"),
+    ("shear", "g [gf/(cm deg)]"),
+    ("weft", "curvature [1/cm],moment [gf cm/cm]"),
+    ("weft", "b [gf cm^2/cm]"),
+    ("bias", "overhang [mm],angle [deg]"),
+    ("bias", "bending_length [mm]"),
+];
+
+/// A file of some kind whose rows have as many numbers as its header.
+fn any_file() -> impl Strategy<Value = (&'static str, String)> {
+    let number = prop_oneof![
+        80 => (0.5..15.0).prop_map(|number: f64| format!("{number:.2}")),
+        3 => (-9.0..0.0).prop_map(|number: f64| format!("{number:.2}")),
+        6 => Just("0".to_owned()),
+        1 => any::<f64>().prop_map(|number| format!("{number:?}")),
+    ];
+    let rows = prop::collection::vec([number.clone(), number.clone(), number], 0..30);
+    (prop::sample::select(&HEADERS[..]), rows, any::<bool>()).prop_map(
+        |((label, header), mut rows, is_sorted)| {
+            if is_sorted {
+                let value = |text: &String| text.parse().unwrap_or(0.0_f64);
+                rows.sort_by(|a, b| value(&a[0]).total_cmp(&value(&b[0])));
+            }
+            let columns = header.split(',').count();
+            let rows = rows.iter().map(|row| format!("{}\n", row[..columns].join(",")));
+            (label, format!("{header}\n{}", rows.collect::<String>()))
+        },
+    )
+}
+
+proptest! {
+    /// Whatever a file holds, it is fitted or has a message, and what is fitted has numbers alone.
+    #[test]
+    fn no_file_panics((label, text) in any_file()) {
+        let label = Label::parse(label).expect("a label");
+        let measured = Measurement::read("data.csv", text.as_bytes(), label);
+        match measured.and_then(|measurement| FabricFit::new(0.2, &[measurement])) {
+            Err(error) => prop_assert!(error.render().contains("help: ")),
+            Ok(fit) => {
+                let toml = FabricText::new(&fit, "cloth", "given").toml;
+                let values = toml.lines().filter_map(|line| line.split('#').next());
+                for value in values {
+                    prop_assert!(!value.contains("NaN") && !value.contains("inf"), "{toml}");
+                }
+            }
+        }
+    }
+
+    /// Nor does any text, whatever its header.
+    #[test]
+    fn no_text_panics(text in "[a-z0-9 ,;\\[\\]%/.#:\n-]{0,200}") {
+        let measured = Measurement::read("data.csv", text.as_bytes(), Label::default());
+        if let Err(error) = measured {
+            prop_assert!(error.render().starts_with("error: "));
+        }
+    }
 }
