@@ -53,6 +53,8 @@ pub(crate) enum Command {
     /// List the fabrics that come with muslin, show one, or import one
     #[command(subcommand)]
     Fabric(FabricCommand),
+    /// Identify a measured fabric from the data of textile instruments
+    Fit(FitArguments),
     /// Recompute the figures and claims of the paper behind muslin, on a page
     Reproduce(ReproduceArguments),
 }
@@ -127,6 +129,25 @@ pub(crate) struct ReproduceArguments {
     pub(crate) quick: bool,
     /// Replace what an earlier reproduction wrote into the folder
     #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct FitArguments {
+    /// CSV files of tests, each with what it is along: warp=FILE, weft=FILE, bias=FILE, shear=FILE
+    #[arg(required = true, value_name = "LABEL=FILE")]
+    pub(crate) data: Vec<String>,
+    /// Name of the fabric
+    #[arg(long, value_name = "NAME")]
+    pub(crate) fabric: String,
+    /// Mass per area with its unit, as in "162.9 g/m2"
+    #[arg(long, value_name = "MASS")]
+    pub(crate) areal_density: String,
+    /// Folder to write: the fabric, plots of data and residuals, all numbers; if left out, the fabric is printed
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace what an earlier fit wrote into the folder
+    #[arg(long, requires = "out")]
     pub(crate) force: bool,
 }
 

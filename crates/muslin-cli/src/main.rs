@@ -10,10 +10,13 @@ mod fabric;
 mod fabric_import;
 mod file_progress;
 mod files;
+mod fit;
+mod folder;
 mod frame_store;
 mod memory;
 mod new;
 mod output;
+mod plot;
 mod progress;
 mod report;
 mod reproduce;
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Command::Fabric(FabricCommand::List) => fabric::list(),
         Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
         Command::Fabric(FabricCommand::Import { file, name }) => fabric_import::import(file, name.as_deref()),
+        Command::Fit(arguments) => fit::fit(arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

@@ -3,6 +3,7 @@
 mod bad_output;
 mod bad_scene;
 mod data_files;
+mod fitting;
 mod interruptions;
 mod other_commands;
 mod reproduction;

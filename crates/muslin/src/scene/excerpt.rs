@@ -5,6 +5,7 @@ use std::path::Path;
 
 use unicode_width::UnicodeWidthChar;
 
+use super::data::CellError;
 use super::error::{Position, SceneError, SceneErrorKind};
 
 /// The most characters of a line that an excerpt shows.
@@ -37,22 +38,34 @@ pub(super) fn render(error: &SceneError, name: &str, text: &str) -> String {
     let content = position.map_or(String::new(), |position| line(text, position.line));
     places.push((name.to_owned(), position, content));
 
+    lines_of(&error.to_string(), &places, error.help().as_deref())
+}
+
+/// See [`CellError::render`].
+pub(super) fn render_cell(error: &CellError, name: &str) -> String {
+    let place = (name.to_owned(), error.position, error.line.clone());
+    let line = error.position.map_or(String::new(), |position| format!(" line {}:", position.line));
+    lines_of(&format!("`{name}`{line} {}", error.message), &[place], Some(&error.help))
+}
+
+/// `message`, its `places` in files with their lines, and help.
+fn lines_of(message: &str, places: &[(String, Option<Position>, String)], help: Option<&str>) -> String {
     let numbers =
         places.iter().filter_map(|(_, position, _)| position.map(|position| position.line.to_string().len()));
     let gutter = " ".repeat(numbers.max().unwrap_or(1));
-    let mut lines = vec![format!("error: {error}")];
+    let mut lines = vec![format!("error: {message}")];
     for (name, position, content) in places {
-        let Some(Position { line, column, length }) = position else {
+        let Some(Position { line, column, length }) = *position else {
             lines.push(format!("{gutter}--> {name}"));
             continue;
         };
         lines.push(format!("{gutter}--> {name}:{line}:{column}"));
-        let (shown, caret) = line_and_caret(&content, column - 1, length);
+        let (shown, caret) = line_and_caret(content, column - 1, length);
         lines.push(format!("{gutter} |"));
         lines.push(format!("{line:<width$} | {shown}", width = gutter.len()).trim_end().to_owned());
         lines.push(format!("{gutter} | {caret}"));
     }
-    if let Some(help) = error.help() {
+    if let Some(help) = help {
         lines.push(format!("{gutter} = help: {help}"));
     }
     lines.join("\n")

@@ -12,14 +12,14 @@ mod read;
 mod settings;
 
 pub use curve::{TensionCurve, TensionCurveError};
-pub use data::{DataFile, MAX_DATA_BYTES};
+pub use data::{CellError, Column, DataFile, DataTable, MAX_DATA_BYTES, column_names, text as data_text};
 pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
 pub use keyframes::{Keyframe, Keyframes, KeyframesError};
 pub use library::LibraryFabric;
 pub use measured::{
     BendingModel, BendingRigidity, KesTensile, KesTensileError, MeasuredFabric, MembraneTension,
-    rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian,
+    rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian, units,
 };
 pub use settings::*;
 

@@ -5,7 +5,7 @@ mod table;
 use std::collections::BTreeMap;
 use std::collections::btree_map;
 
-pub(super) use table::{CellError, Column, DataTable, text};
+pub use table::{CellError, Column, DataTable, column_names, text};
 
 use super::error::quoted;
 

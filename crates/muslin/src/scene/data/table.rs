@@ -11,43 +11,58 @@ use crate::scene::excerpt;
 
 /// A column that a table must have.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::scene) struct Column {
+pub struct Column {
     /// Name in the header.
-    pub(in crate::scene) name: &'static str,
+    pub name: &'static str,
     /// Units that it may have in the header, each with how many of it are one in SI.
-    pub(in crate::scene) units: &'static [(&'static str, f64)],
+    pub units: &'static [(&'static str, f64)],
     /// What to do with another unit.
-    pub(in crate::scene) hint: &'static str,
+    pub hint: &'static str,
 }
 
 /// Numbers in SI units, a row per line, `N` columns in the order asked for.
-pub(in crate::scene) struct DataTable<const N: usize> {
+#[derive(Clone, Debug)]
+pub struct DataTable<const N: usize> {
     rows: Vec<[f64; N]>,
     /// Where the cells of each row are, as ranges of bytes of the text.
     cells: Vec<[Range<usize>; N]>,
 }
 
 /// What is wrong in a data file, and where.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::scene) struct CellError {
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+#[non_exhaustive]
+pub struct CellError {
     /// The place, unless it is the whole file.
-    pub(in crate::scene) position: Option<Position>,
-    /// The line that it is in.
-    pub(in crate::scene) line: String,
-    pub(in crate::scene) message: String,
-    pub(in crate::scene) help: String,
+    pub position: Option<Position>,
+    /// The line that it is in, empty if it is the whole file.
+    pub line: String,
+    /// Value and rule, beginning with a verb.
+    pub message: String,
+    /// What to do about it.
+    pub help: String,
 }
 
 impl CellError {
     /// An error of a whole file.
-    fn whole(message: &str, help: String) -> Self {
+    #[must_use]
+    pub fn whole(message: &str, help: String) -> Self {
         Self { position: None, line: String::new(), message: message.to_owned(), help }
     }
 
     /// An error at a range of bytes of `text`.
-    pub(in crate::scene) fn at(text: &str, span: Range<usize>, message: String, help: String) -> Self {
+    #[must_use]
+    pub fn at(text: &str, span: Range<usize>, message: String, help: String) -> Self {
         let position = excerpt::position(text, span);
         Self { position: Some(position), line: excerpt::line(text, position.line), message, help }
+    }
+
+    /// The whole error for a person: message, place in the file `name`, its line with a caret, and help.
+    ///
+    /// Several lines, the last without a line break.
+    #[must_use]
+    pub fn render(&self, name: &str) -> String {
+        excerpt::render_cell(self, name)
     }
 }
 
@@ -55,7 +70,7 @@ impl CellError {
 ///
 /// # Errors
 /// If it is not UTF-8: at the line of the first wrong byte.
-pub(in crate::scene) fn text(bytes: &[u8]) -> Result<&str, CellError> {
+pub fn text(bytes: &[u8]) -> Result<&str, CellError> {
     std::str::from_utf8(bytes).map_err(|error| {
         let valid = error.valid_up_to();
         // What is wrong becomes a replacement character, so that the rest can be shown.
@@ -65,13 +80,24 @@ pub(in crate::scene) fn text(bytes: &[u8]) -> Result<&str, CellError> {
     })
 }
 
+/// Names of the columns in the header of a table, as they stand there; none if it has no header.
+///
+/// Which table a file holds can so be known before it is read.
+#[must_use]
+pub fn column_names(text: &str) -> Vec<&str> {
+    let Some(header) = content_lines(text).next() else { return Vec::new() };
+    let name = |cell: &'_ str| cell.split('[').next().unwrap_or_default().len();
+    let cells = text[header].split(',').map(|cell| cell.trim().trim_matches('"').trim());
+    cells.map(|cell| cell[..name(cell)].trim_end()).collect()
+}
+
 impl<const N: usize> DataTable<N> {
     /// Reads the table of `columns` from `text`: a header with names and units, then numbers. Empty lines and lines that
     /// start with `#` are passed over.
     ///
     /// # Errors
     /// The first rule that the text breaks.
-    pub(in crate::scene) fn read(text: &str, columns: [Column; N]) -> Result<Self, CellError> {
+    pub fn read(text: &str, columns: [Column; N]) -> Result<Self, CellError> {
         let mut lines = content_lines(text);
         let Some(header) = lines.next() else {
             return Err(CellError::whole(
@@ -107,12 +133,17 @@ impl<const N: usize> DataTable<N> {
     }
 
     /// All rows, in SI units.
-    pub(in crate::scene) fn rows(&self) -> &[[f64; N]] {
+    #[must_use]
+    pub fn rows(&self) -> &[[f64; N]] {
         &self.rows
     }
 
     /// Where the cell of `column` in `row` is, as a range of bytes of the text.
-    pub(in crate::scene) fn span(&self, row: usize, column: usize) -> Range<usize> {
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    #[must_use]
+    pub fn span(&self, row: usize, column: usize) -> Range<usize> {
         self.cells[row][column].clone()
     }
 }

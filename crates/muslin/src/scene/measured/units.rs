@@ -1,19 +1,19 @@
 //! Units of textile instruments, exactly.
 
 /// Standard gravity [m/s²], by definition; a gram-force is the weight of a gram under it.
-pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// N/m per gf/cm.
-pub(crate) const GRAM_FORCE_PER_CM: f64 = 0.980_665;
+pub const GRAM_FORCE_PER_CM: f64 = 0.980_665;
 
 /// J/m² per gf cm/cm².
-pub(crate) const GRAM_FORCE_CM_PER_CM2: f64 = 0.980_665;
+pub const GRAM_FORCE_CM_PER_CM2: f64 = 0.980_665;
 
 /// N m per gf cm²/cm, of a rigidity per width.
-pub(crate) const GRAM_FORCE_CM2_PER_CM: f64 = 9.806_65e-5;
+pub const GRAM_FORCE_CM2_PER_CM: f64 = 9.806_65e-5;
 
 /// kg/m² per oz/yd²: 28.349523125 g by 0.9144² m², both by definition.
-pub(crate) const OUNCE_PER_SQUARE_YARD: f64 = 0.028_349_523_125 / (0.9144 * 0.9144);
+pub const OUNCE_PER_SQUARE_YARD: f64 = 0.028_349_523_125 / (0.9144 * 0.9144);
 
 #[cfg(test)]
 mod tests {

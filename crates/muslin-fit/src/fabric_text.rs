@@ -1,0 +1,235 @@
+//! The fabric as a table of a scene file.
+
+use std::fmt::Write as _;
+
+use muslin::scene::{MembraneTension, TensionCurve};
+
+use crate::estimate::{Estimate, Parameter};
+use crate::fit::{FabricFit, law_name};
+use crate::friction::SlopeFit;
+use crate::label::Direction;
+use crate::outcome::Outcome;
+use crate::tension::TensionFit;
+
+/// Digits of a value: more than any measurement has.
+const DIGITS: i32 = 6;
+
+/// A table `[fabric.NAME]` with comments, and the files beside it that it names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FabricText {
+    /// The table, in TOML.
+    pub toml: String,
+    /// Name and content of every table of tension, in CSV.
+    pub tables: Vec<(String, String)>,
+}
+
+impl FabricText {
+    /// The fabric `fit` under `name`, of letters, digits, `-` and `_`; `origin` says where the mass per area is from.
+    ///
+    /// Every value has its standard error and its file beside it. What is missing is said in comments, and the text is then no
+    /// whole fabric.
+    #[must_use]
+    pub fn new(fit: &FabricFit, name: &str, origin: &str) -> Self {
+        let mut text = Self { toml: format!("[fabric.{name}]\nkind = \"measured\"\n"), tables: Vec::new() };
+        text.value("areal_density", fit.areal_density, &format!("kg/m²; {origin}"));
+        text.line("drag = 0.0  # not measured: air acts as wind");
+        for (direction, tension) in [(Direction::Warp, &fit.warp), (Direction::Weft, &fit.weft)] {
+            text.tension(name, direction, tension.as_ref());
+        }
+        text.line(&format!("\n[fabric.{name}.shear]"));
+        text.slope("modulus", "N/m per radian", fit.shear.as_ref().map(|fit| (fit.slope, &fit.outcome)));
+        text.line(&format!("\n[fabric.{name}.bend]"));
+        for direction in [Direction::Warp, Direction::Weft] {
+            text.slope(direction.name(), "N m", of(&fit.bending[direction as usize]));
+        }
+        match fit.bias() {
+            Some(bias) => {
+                let outcome = fit.bending[Direction::Bias as usize].as_ref().map(|fit| (bias, &fit.outcome));
+                text.slope("bias", "N m", outcome);
+            }
+            None => text.line("# bias = ...  # not determined: see below"),
+        }
+        text.friction(fit);
+        text.notes(fit);
+        text
+    }
+
+    fn line(&mut self, line: &str) {
+        self.toml.push_str(line);
+        self.toml.push('\n');
+    }
+
+    fn value(&mut self, key: &str, value: f64, comment: &str) {
+        self.line(&format!("{key} = {}  # {comment}", rounded(value)));
+    }
+
+    fn tension(&mut self, name: &str, direction: Direction, fit: Option<&TensionFit>) {
+        self.line(&format!("\n[fabric.{name}.{direction}]"));
+        let Some(TensionFit { tension, outcome }) = fit else {
+            self.line("# modulus = ...  # not determined: see below");
+            return;
+        };
+        if let MembraneTension::Curve(curve) = tension {
+            let table = format!("{name}-{direction}.csv");
+            let points = curve.points().len();
+            self.line(&format!("curve = \"{table}\"  # {points} points; from {}", outcome.file));
+            self.tables.push((table, table_text(curve, outcome)));
+            return;
+        }
+        for Parameter { name, unit, estimate, .. } in &outcome.parameters {
+            let key = name.replace(' ', "_");
+            self.value(&key, estimate.value, &comment(unit, *estimate, outcome));
+        }
+    }
+
+    fn slope(&mut self, key: &str, unit: &str, fit: Option<(Estimate, &Outcome)>) {
+        match fit {
+            Some((slope, outcome)) => self.value(key, slope.value, &comment(unit, slope, outcome)),
+            None => self.line(&format!("# {key} = ...  # not determined: see below")),
+        }
+    }
+
+    /// Friction, which is measured but no key of a fabric: all of it in one place.
+    fn friction(&mut self, fit: &FabricFit) {
+        const SYMBOLS: [&str; 4] = ["RT", "2HG", "2HG5", "2HB"];
+        let widths: Vec<String> = fit
+            .outcomes()
+            .flat_map(|outcome| {
+                let results = outcome.results.iter().filter(|result| SYMBOLS.contains(&result.symbol));
+                results.map(|result| {
+                    let what = result.symbol;
+                    let along = outcome.direction.map_or(String::new(), |direction| format!(" {direction}"));
+                    let comment = comment(result.unit, result.estimate, outcome);
+                    format!("#   {what}{along} = {}  # {comment}", rounded(result.estimate.value))
+                })
+            })
+            .collect();
+        if !widths.is_empty() {
+            self.line("\n# friction in loops, which a fabric has no keys for");
+            self.line(&widths.join("\n"));
+        }
+    }
+
+    fn notes(&mut self, fit: &FabricFit) {
+        self.line("\n# how the values were found");
+        for (tension, outcome) in
+            [&fit.warp, &fit.weft].into_iter().flatten().map(|fit| (law_name(&fit.tension), &fit.outcome))
+        {
+            self.outcome(outcome, Some(tension));
+        }
+        for SlopeFit { outcome, .. } in
+            fit.shear.iter().chain(fit.bending.iter().flatten()).chain(&fit.checks)
+        {
+            self.outcome(outcome, None);
+        }
+        for warning in &fit.warnings {
+            self.line(&format!("# warning: {warning}"));
+        }
+        if !fit.undetermined.is_empty() {
+            self.line("\n# what the data do not determine");
+            for undetermined in &fit.undetermined {
+                let [what, why, remedy] = [&undetermined.what, &undetermined.why, &undetermined.remedy];
+                self.line(&format!("#   {what}: {why}\n#     way out: {remedy}"));
+            }
+        }
+    }
+
+    fn outcome(&mut self, outcome: &Outcome, law: Option<&str>) {
+        let law = law.map_or(String::new(), |law| format!(", {law}"));
+        let mut line = format!("#   {}: {}{law}", outcome.file, outcome.subject());
+        if let Some(scatter) = outcome.scatter {
+            let largest =
+                outcome.points.iter().fold(0.0_f64, |largest, point| largest.max(point.measured.abs()));
+            let _ = write!(
+                line,
+                "; {} points, scatter {:.2} % of the largest value",
+                outcome.points.len(),
+                100.0 * scatter / largest
+            );
+        }
+        self.line(&line);
+        for note in &outcome.notes {
+            self.line(&format!("#     {note}"));
+        }
+        if outcome.is_systematic {
+            self.line("#     the rest is systematic, not scatter: standard errors count scatter alone");
+        }
+        for (i, row) in outcome.correlations.iter().enumerate() {
+            for (j, correlation) in row.iter().enumerate().take(i) {
+                let [first, second] =
+                    [&outcome.parameters[j], &outcome.parameters[i]].map(|parameter| parameter.symbol);
+                self.line(&format!("#     correlation of {first} and {second}: {correlation:.3}"));
+            }
+        }
+    }
+}
+
+fn of(fit: &Option<SlopeFit>) -> Option<(Estimate, &Outcome)> {
+    fit.as_ref().map(|fit| (fit.slope, &fit.outcome))
+}
+
+/// Unit, standard error, interval and file of a value.
+fn comment(unit: &str, estimate: Estimate, outcome: &Outcome) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!("{unit}; ") };
+    let error = match (estimate.relative_error(), estimate.interval) {
+        (Some(error), Some([low, high])) => format!(
+            "standard error {:.2} %, {:.0} % interval {} to {}; ",
+            100.0 * error,
+            100.0 * crate::CONFIDENCE,
+            shown(low),
+            shown(high)
+        ),
+        _ => "standard error unknown; ".to_owned(),
+    };
+    format!("{unit}{error}from {}", outcome.file)
+}
+
+/// `value` with [`DIGITS`] digits, as TOML has numbers.
+fn rounded(value: f64) -> String {
+    digits(value, DIGITS)
+}
+
+/// `value` with four digits, for a comment.
+fn shown(value: f64) -> String {
+    digits(value, 4)
+}
+
+fn digits(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value:?}");
+    }
+    let exponent = libm::floor(libm::log10(value.abs())) as i32;
+    if (-3..6).contains(&exponent) {
+        format!("{value:.*}", (digits - 1 - exponent).max(1) as usize)
+    } else {
+        format!("{value:.*e}", (digits - 1) as usize)
+    }
+}
+
+/// The table of `curve` as a file.
+fn table_text(curve: &TensionCurve, outcome: &Outcome) -> String {
+    let mut text = format!("# {}, from {}\nstrain [1],tension [N/m]\n", outcome.subject(), outcome.file);
+    for [strain, tension] in curve.points() {
+        let _ = writeln!(text, "{},{}", digits(*strain, 8), digits(*tension, 8));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_their_digits_and_are_toml() {
+        for (value, text) in [
+            (3623.123456, "3623.12"),
+            (0.0357951, "0.0357951"),
+            (6.57e-6, "6.57000e-6"),
+            (-1234567.0, "-1.23457e6"),
+            (0.0, "0.0"),
+            (123456.0, "123456.0"),
+        ] {
+            assert_eq!(rounded(value), text);
+        }
+    }
+}
