@@ -31,7 +31,7 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_millis(200);
 const CHECKPOINT_COSTS: u32 = 50;
 
 /// Particles from which on a second thread pays.
-const PARTICLES_PER_THREAD: usize = 16_384;
+const PARTICLES_PER_THREAD: usize = 8192;
 
 /// Runs a scene, writes its folder and says what came out.
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), CliError> {

@@ -27,8 +27,9 @@ use crate::{InstructionSet, Points, State};
 
 /// Particles per block at most, unless one row of a grid has more.
 ///
-/// A block's positions, velocities and forces (72 bytes per particle) stay in a core's second-level cache.
-const BLOCK_PARTICLES: usize = 4096;
+/// A block's positions, velocities and forces (72 bytes per particle) stay in a core's second-level cache, and there are
+/// enough of them even in small grids for threads to share them evenly.
+const BLOCK_PARTICLES: usize = 1024;
 
 /// Everything that is constant during a run.
 ///
