@@ -93,6 +93,11 @@ impl GridSprings {
         self.swept.map(|directions| directions.map(|group| group.map(|group| &self.families[group])))
     }
 
+    /// Whether there are springs of the family [`Family::Bend`].
+    pub(super) fn has_bend_springs(&self) -> bool {
+        self.swept[Family::Bend as usize].iter().any(Option::is_some)
+    }
+
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
     #[inline(always)]
     pub(super) fn for_each_spring_row(&self, mut visit: impl FnMut(&GridFamily, RowPair, f64)) {

@@ -51,11 +51,19 @@ impl Pulls {
         far_down: [0.0; PAD + TILE],
     };
 
-    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`.
+    /// There are no bend springs, whatever another grid left.
+    pub(super) fn clear_far(&mut self) {
+        self.far_right.fill(0.0);
+        self.far_down.fill(0.0);
+    }
+
+    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Where there are
+    /// no bend springs theirs must be [clear](Self::clear_far), and stay so.
     #[inline(always)]
     pub(super) fn eval(
         &mut self,
         springs: &TileSprings,
+        has_bend_springs: bool,
         coordinates: Coordinates<'_>,
         border: Border,
         tile: &Tile,
@@ -63,7 +71,11 @@ impl Pulls {
         self.right[PAD - 1] = border.right;
         [self.far_right[PAD - 2], self.far_right[PAD - 1]] = border.far_right;
         self.down_right[PAD - 1] = border.down_right;
-        eval_pulls(self, springs, coordinates, tile.padded_len());
+        if has_bend_springs {
+            eval_pulls::<true>(self, springs, coordinates, tile.padded_len());
+        } else {
+            eval_pulls::<false>(self, springs, coordinates, tile.padded_len());
+        }
     }
 
     /// What the first `count` particles leave to the next tile.
@@ -108,7 +120,12 @@ impl Pulls {
 }
 
 #[inline(always)]
-fn eval_pulls(pulls: &mut Pulls, springs: &TileSprings, coordinates: Coordinates<'_>, count: usize) {
+fn eval_pulls<const BEND: bool>(
+    pulls: &mut Pulls,
+    springs: &TileSprings,
+    coordinates: Coordinates<'_>,
+    count: usize,
+) {
     let count = count.min(TILE);
     let Ends { own, right, far_right, down, down_right, far_down } = Ends::of(coordinates, count);
     let [[across_c, down_c], [diagonal_c, other_diagonal_c], [far_across_c, far_down_c]] =
@@ -124,14 +141,17 @@ fn eval_pulls(pulls: &mut Pulls, springs: &TileSprings, coordinates: Coordinates
         let below = down_c[i] * (down[i] - own[i]);
         let diagonal = diagonal_c[i] * (down_right[i] - own[i]);
         let other_diagonal = other_diagonal_c[i] * (down[i] - right[i]);
-        let far_across = far_across_c[i] * (far_right[i] - own[i]);
-        let far_below = far_down_c[i] * (far_down[i] - own[i]);
-        pulls_own[i] = across + below + diagonal + (far_across + far_below);
+        pulls_own[i] = across + below + diagonal;
         pulls_right[i] = other_diagonal - across;
-        pulls_far_right[i] = far_across;
         pulls_down[i] = below + other_diagonal;
         pulls_down_right[i] = diagonal;
-        pulls_far_down[i] = far_below;
+        if BEND {
+            let far_across = far_across_c[i] * (far_right[i] - own[i]);
+            let far_below = far_down_c[i] * (far_down[i] - own[i]);
+            pulls_own[i] += far_across + far_below;
+            pulls_far_right[i] = far_across;
+            pulls_far_down[i] = far_below;
+        }
     }
 }
 

@@ -110,6 +110,9 @@ impl RowPass<'_> {
     /// Makes room, and begins with nothing from earlier rows.
     fn start(&mut self) {
         let columns = self.springs.grid.columns;
+        if !self.springs.has_bend_springs() {
+            self.tile.pulls.clear_far();
+        }
         for KeptRow { forces, bounds } in &mut *self.kept {
             // Another grid may have had longer rows.
             if forces.len() < columns {
@@ -139,8 +142,10 @@ impl RowPass<'_> {
             let TileMemory { springs, pulls, end_copies } = &mut *self.tile;
             let grid = &self.springs.grid;
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
-            springs.eval_lengths(coordinates, &tile);
-            for (index, directions) in self.springs.swept().into_iter().enumerate() {
+            let has_bend_springs = self.springs.has_bend_springs();
+            springs.eval_lengths(coordinates, has_bend_springs, &tile);
+            let families = if has_bend_springs { 3 } else { 2 };
+            for (index, directions) in self.springs.swept().into_iter().enumerate().take(families) {
                 for (direction, group) in directions.into_iter().enumerate() {
                     let place = [index, direction];
                     if self.is_bounded && group.is_some_and(|group| !group.has_constant_stiffness()) {
@@ -157,7 +162,7 @@ impl RowPass<'_> {
                 (&mut next.forces.z, &mut after.forces.z),
             ];
             for (axis, (next, after)) in kept.into_iter().enumerate() {
-                pulls.eval(springs, coordinates[axis], borders[axis], &tile);
+                pulls.eval(springs, has_bend_springs, coordinates[axis], borders[axis], &tile);
                 borders[axis] = pulls.border(tile.columns.len());
                 let (next, after) = (&mut next[tile.columns.clone()], &mut after[tile.columns.clone()]);
                 let mut forces = forces.as_mut().map(|forces| &mut *forces[axis]);

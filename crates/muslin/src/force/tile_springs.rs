@@ -36,10 +36,20 @@ pub(super) struct TileSprings {
 impl TileSprings {
     pub(super) const ZERO: Self = Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO };
 
-    /// Finds the lengths of all springs of a tile whose coordinates are x, y and z.
+    /// Finds the lengths of all springs of a tile whose coordinates are x, y and z; not of bend springs if there are none.
     #[inline(always)]
-    pub(super) fn eval_lengths(&mut self, [x, y, z]: [Coordinates<'_>; 3], tile: &Tile) {
-        eval_lengths(&mut self.squares, &mut self.coefficients, (x, y, z), tile.padded_len());
+    pub(super) fn eval_lengths(
+        &mut self,
+        [x, y, z]: [Coordinates<'_>; 3],
+        has_bend_springs: bool,
+        tile: &Tile,
+    ) {
+        let (squares, guesses) = (&mut self.squares, &mut self.coefficients);
+        if has_bend_springs {
+            eval_lengths::<true>(squares, guesses, (x, y, z), tile.padded_len());
+        } else {
+            eval_lengths::<false>(squares, guesses, (x, y, z), tile.padded_len());
+        }
     }
 
     /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the law of a
@@ -98,7 +108,7 @@ impl<'a> Ends<'a> {
 }
 
 #[inline(always)]
-fn eval_lengths(
+fn eval_lengths<const BEND: bool>(
     squares: &mut OfSprings,
     guesses: &mut OfSprings,
     (x, y, z): (Coordinates<'_>, Coordinates<'_>, Coordinates<'_>),
@@ -125,14 +135,16 @@ fn eval_lengths(
         down[i] = square(own, below);
         diagonal[i] = square(own, below_right);
         other_diagonal[i] = square(right, below);
-        far_across[i] = square(own, [x.far_right[i], y.far_right[i], z.far_right[i]]);
-        far_down[i] = square(own, [x.far_down[i], y.far_down[i], z.far_down[i]]);
         across_guess[i] = SpringLength::guess_inverse(across[i]);
         down_guess[i] = SpringLength::guess_inverse(down[i]);
         diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
         other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
-        far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
-        far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
+        if BEND {
+            far_across[i] = square(own, [x.far_right[i], y.far_right[i], z.far_right[i]]);
+            far_down[i] = square(own, [x.far_down[i], y.far_down[i], z.far_down[i]]);
+            far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
+            far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
+        }
     }
 }
 
