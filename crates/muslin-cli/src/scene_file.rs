@@ -54,8 +54,9 @@ pub(crate) fn parse(path: &Path, name: &str, text: &str) -> Result<Scene, CliErr
     Scene::parse_with(text, &mut load).map_err(|error| CliError::BadInput(error.render(name, text)))
 }
 
-/// The bytes of the file at `path`, or why there are none, as [`Scene::parse_with`] asks for them.
-fn read_data(path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of the file at `path`, or why there are none, as [`Scene::parse_with`] asks for them. Of a file that is too long there
+/// is one byte more than [`MAX_DATA_BYTES`].
+pub(crate) fn read_data(path: &Path) -> Result<Vec<u8>, String> {
     let read = || -> io::Result<Option<Vec<u8>>> {
         // Not opened first: opening a pipe may wait for ever.
         if !fs::metadata(path)?.is_file() {

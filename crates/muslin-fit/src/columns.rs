@@ -106,7 +106,7 @@ pub(crate) const BENDING_LENGTH: [Column; 1] = [Column {
 }];
 
 impl Kind {
-    /// All kinds, each with what its columns alone have among those that follow it.
+    /// Names of columns with the kinds that they tell, the more telling first.
     const BY_COLUMN: [(&'static str, Self); 12] = [
         ("strain", Self::Tensile),
         ("overhang", Self::Cantilever),

@@ -154,12 +154,26 @@ impl FabricText {
         if outcome.is_systematic {
             self.line("#     the rest is systematic, not scatter: standard errors count scatter alone");
         }
-        for (i, row) in outcome.correlations.iter().enumerate() {
-            for (j, correlation) in row.iter().enumerate().take(i) {
-                let [first, second] =
-                    [&outcome.parameters[j], &outcome.parameters[i]].map(|parameter| parameter.symbol);
-                self.line(&format!("#     correlation of {first} and {second}: {correlation:.3}"));
+        // The first constant of a slope is a key of the fabric; others stand here.
+        if law.is_empty() {
+            for parameter in outcome.parameters.iter().skip(1) {
+                let Parameter { symbol, name, unit, estimate } = parameter;
+                let value = rounded(estimate.value);
+                self.line(&format!(
+                    "#     {symbol} ({name}) = {value} {}",
+                    comment(unit, *estimate, outcome)
+                ));
             }
+        }
+        let pairs = outcome.correlations.iter().enumerate().flat_map(|(i, row)| {
+            row.iter().enumerate().take(i).map(move |(j, correlation)| {
+                let [first, second] = [j, i].map(|index| outcome.parameters[index].symbol);
+                format!("{first} and {second} {correlation:.2}")
+            })
+        });
+        let pairs: Vec<String> = pairs.collect();
+        if !pairs.is_empty() {
+            self.line(&format!("#     correlations: {}", pairs.join(", ")));
         }
     }
 }
@@ -171,14 +185,16 @@ fn of(fit: &Option<SlopeFit>) -> Option<(Estimate, &Outcome)> {
 /// Unit, standard error, interval and file of a value.
 fn comment(unit: &str, estimate: Estimate, outcome: &Outcome) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!("{unit}; ") };
-    let error = match (estimate.relative_error(), estimate.interval) {
-        (Some(error), Some([low, high])) => format!(
-            "standard error {:.2} %, {:.0} % interval {} to {}; ",
-            100.0 * error,
-            100.0 * crate::CONFIDENCE,
-            shown(low),
-            shown(high)
-        ),
+    let error = match (estimate.standard_error, estimate.interval) {
+        (Some(error), Some([low, high])) => {
+            // In parts of the value, unless that is lost in its error.
+            let error = match estimate.relative_error() {
+                Some(relative) if relative < 0.5 => format!("{:.2} %", 100.0 * relative),
+                _ => shown(error),
+            };
+            let confidence = 100.0 * crate::CONFIDENCE;
+            format!("standard error {error}, {confidence:.0} % interval {} to {}; ", shown(low), shown(high))
+        }
         _ => "standard error unknown; ".to_owned(),
     };
     format!("{unit}{error}from {}", outcome.file)

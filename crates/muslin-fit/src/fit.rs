@@ -9,7 +9,7 @@ use crate::friction::{SlopeFit, fit_bend, fit_shear, fit_shear_moduli};
 use crate::label::{Direction, Test};
 use crate::measurement::{Data, Measurement};
 use crate::outcome::{Outcome, subject};
-use crate::tension::{TensionFit, fit_curve, fit_kes};
+use crate::tension::{LARGEST_MISFIT, TensionFit, fit_curve, fit_kes};
 
 /// The largest ratio of the ends of an interval for which a constant counts as determined.
 const WIDEST_INTERVAL: f64 = 4.0;
@@ -57,6 +57,7 @@ impl FabricFit {
         }
         fit.compare_rigidities();
         fit.check_model();
+        fit.check_misfits();
         let found = fit.outcomes().flat_map(|outcome| {
             let wide = outcome.parameters.iter().filter_map(|parameter| too_wide(outcome, parameter));
             outcome.undetermined.iter().cloned().chain(wide).collect::<Vec<_>>()
@@ -184,6 +185,25 @@ impl FabricFit {
                 (warp * weft).sqrt()
             ));
         }
+    }
+
+    /// Straight lines through what is not straight: tension has a table for it, shear and bending have not.
+    fn check_misfits(&mut self) {
+        let slopes = self.shear.iter().chain(self.bending.iter().flatten()).chain(&self.checks);
+        let misfits = slopes.filter_map(|SlopeFit { outcome, .. }| {
+            let largest = outcome.points.iter().fold(0.0_f64, |largest, point| largest.max(point.measured.abs()));
+            let misfit = outcome.scatter? / largest;
+            (outcome.is_systematic && LARGEST_MISFIT < misfit).then(|| {
+                format!(
+                    "{}: the law leaves a systematic {:.1} % of the largest value, so that its constants are those of the mean over \
+                     the range; leave out the part that is not meant",
+                    outcome.file,
+                    100.0 * misfit
+                )
+            })
+        });
+        let misfits: Vec<String> = misfits.collect();
+        self.warnings.extend(misfits);
     }
 
     /// The least slopes of tension [N/m] along warp and weft.

@@ -20,7 +20,7 @@ pub struct SlopeFit {
 }
 
 /// What differs between shear and bending.
-struct Test {
+struct Instrument {
     kind: Kind,
     /// Letter, name and unit of the slope.
     slope: [&'static str; 3],
@@ -34,7 +34,7 @@ struct Test {
     has_growth: bool,
 }
 
-const SHEAR: Test = Test {
+const SHEAR: Instrument = Instrument {
     kind: Kind::Shear,
     slope: ["G", "modulus", "N/m"],
     path_unit: "rad",
@@ -46,7 +46,7 @@ const SHEAR: Test = Test {
     has_growth: true,
 };
 
-const BEND: Test = Test {
+const BEND: Instrument = Instrument {
     kind: Kind::Bend,
     slope: ["B", "rigidity", "N m"],
     path_unit: "1/m",
@@ -100,7 +100,7 @@ fn fit_path(
     file: &str,
     direction: Option<Direction>,
     rows: &[[f64; 2]],
-    test: &Test,
+    instrument: &Instrument,
 ) -> Result<SlopeFit, FitError> {
     let path = Path::new(rows);
     let unsolved = || {
@@ -112,8 +112,9 @@ fn fit_path(
     };
     let has_loop = !turning_points(rows.iter().map(|row| row[0])).is_empty();
     let straight = path.straight().ok_or_else(unsolved)?;
-    let sliding = if has_loop { Some(path.sliding(test.has_growth).ok_or_else(unsolved)?) } else { None };
-    let subject = crate::outcome::subject(if test.has_growth { "shear" } else { "bending" }, direction);
+    let sliding =
+        if has_loop { Some(path.sliding(instrument.has_growth).ok_or_else(unsolved)?) } else { None };
+    let subject = crate::outcome::subject(if instrument.has_growth { "shear" } else { "bending" }, direction);
     let mut undetermined = Vec::new();
     let mut notes = Vec::new();
     let chosen = match sliding {
@@ -131,7 +132,7 @@ fn fit_path(
             straight
         }
     };
-    let mut outcome = path.outcome(file, direction, test, &chosen);
+    let mut outcome = path.outcome(file, direction, instrument, &chosen);
     outcome.notes = [notes, outcome.notes].concat();
     outcome.undetermined.extend(undetermined);
     if WORST_CONDITION < chosen.condition {
@@ -220,7 +221,13 @@ impl Path {
         values
     }
 
-    fn outcome(&self, file: &str, direction: Option<Direction>, test: &Test, solution: &Solution) -> Outcome {
+    fn outcome(
+        &self,
+        file: &str,
+        direction: Option<Direction>,
+        instrument: &Instrument,
+        solution: &Solution,
+    ) -> Outcome {
         let [x_unit, y_unit] = self.units;
         let freedom = solution.freedom;
         let error = |index: usize| solution.covariance[(index, index)].sqrt();
@@ -231,23 +238,33 @@ impl Path {
             Estimate::linear(solution.parameters[index] * unit, error(index) * unit, freedom)
         };
         let parameter = |symbol, name, unit, estimate| Parameter { symbol, name, unit, estimate };
-        let [symbol, name, unit] = test.slope;
+        let [symbol, name, unit] = instrument.slope;
         let mut parameters = vec![
             parameter(symbol, name, unit, logarithm(SLOPE, y_unit / x_unit)),
-            parameter("c", "offset", test.force_unit, linear(OFFSET, y_unit)),
+            parameter("c", "offset", instrument.force_unit, linear(OFFSET, y_unit)),
         ];
         let mut results = Vec::new();
         let mut undetermined = Vec::new();
         if FRICTION < solution.parameters.len() {
-            parameters.push(parameter("h", "friction at rest", test.force_unit, linear(FRICTION, y_unit)));
-            parameters.push(parameter("d", "sliding path", test.path_unit, logarithm(SLIDING_PATH, x_unit)));
-            if test.has_growth {
+            parameters.push(parameter(
+                "h",
+                "friction at rest",
+                instrument.force_unit,
+                linear(FRICTION, y_unit),
+            ));
+            parameters.push(parameter(
+                "d",
+                "sliding path",
+                instrument.path_unit,
+                logarithm(SLIDING_PATH, x_unit),
+            ));
+            if instrument.has_growth {
                 parameters.push(parameter("h1", "growth of friction", unit, linear(GROWTH, y_unit / x_unit)));
             }
-            for &(symbol, name, at) in test.widths {
+            for &(symbol, name, at) in instrument.widths {
                 if at <= 1.02 * x_unit {
                     let estimate = width(solution, at / x_unit).scaled(y_unit);
-                    results.push(parameter(symbol, name, test.force_unit, estimate));
+                    results.push(parameter(symbol, name, instrument.force_unit, estimate));
                 } else {
                     undetermined.push(Undetermined {
                         what: symbol.to_owned(),
@@ -271,7 +288,7 @@ impl Path {
         });
         Outcome {
             file: file.to_owned(),
-            kind: test.kind,
+            kind: instrument.kind,
             direction,
             parameters,
             correlations: solution.correlations(),

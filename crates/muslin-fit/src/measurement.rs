@@ -17,7 +17,7 @@ const STEP_BACK: f64 = 0.01;
 /// A data file, in SI units. Rows keep their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Name of the file.
+    /// Name of the file, without control characters.
     pub file: String,
     /// What the specimen was stretched or bent along; none of a shear test.
     pub direction: Option<Direction>,
@@ -70,7 +70,9 @@ impl Measurement {
         };
         let direction = label.direction_of(file, text, kind)?;
         let data = read_data(text, kind).map_err(data_error)?;
-        Ok(Self { file: file.to_owned(), direction, data })
+        // The name stands in comments, where a line break would end them.
+        let file = file.replace(char::is_control, "\u{fffd}");
+        Ok(Self { file, direction, data })
     }
 
     /// What the table holds.

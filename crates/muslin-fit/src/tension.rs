@@ -195,7 +195,8 @@ impl Evidence {
         let [verb, relation] =
             if self.is_tangent { ["bends", "above"] } else { ["does not bend", "not above"] };
         format!(
-            "the curve {verb} by more than scatter: F = {:.3} is {relation} {:.2} (5 %)",
+            "the curve {verb} by more than scatter: F = {:.*} is {relation} {:.2} (5 %)",
+            if self.statistic < 100.0 { 2 } else { 0 },
             self.statistic.max(0.0),
             self.threshold
         )

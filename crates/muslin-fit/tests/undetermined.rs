@@ -162,3 +162,13 @@ fn two_tests_of_one_rigidity_are_compared() {
     assert!(notes.iter().any(|note| note.starts_with("0.csv gives ")), "{notes:?}");
     assert_eq!(fit.checks.len(), 1);
 }
+
+/// A sheet that locks: the straight line through it leaves a rest that keeps its sign, and that is said.
+#[test]
+fn a_straight_line_through_a_bent_curve_has_a_warning() {
+    let bent = |i: f64| 0.25 * i + 0.0001 * i * i * i;
+    let text = table("angle [deg],force [gf/cm]", 61, |i| [0.5 * i, bent(i) + 0.1 * wobble(i, 1.0)]);
+    let fit = fit(&[("shear", &text)]);
+    assert_eq!(fit.warnings.len(), 1, "{:?}", fit.warnings);
+    assert!(fit.warnings[0].starts_with("0.csv: the law leaves a systematic 7."), "{:?}", fit.warnings);
+}

@@ -52,8 +52,11 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         rest.iter().fold(f64::MIN_POSITIVE.sqrt(), |largest, point| largest.max(1.08 * point[1].abs()));
     let ends = outcome.points.iter().map(|point| x * point.at);
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    // Room for the marks at both ends; two readings at one angle have no extent.
+    let room = (0.03 * (high - low)).max(1e-3 * high.abs());
+    let across = || Axis::linear(axes.x.0).between(low - room, high + room);
     let curve = Plot {
-        x: Axis::linear(axes.x.0),
+        x: across(),
         y: Axis::linear(axes.y.0),
         series: vec![
             Series::new("measured", 2, Style::Marks, measured),
@@ -61,7 +64,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         ],
     };
     let residuals = Plot {
-        x: Axis::linear(axes.x.0),
+        x: across(),
         y: Axis::linear(format!("measured less fitted, {}", axes.y.0)).between(-largest, largest),
         series: vec![
             Series::new("measured", 2, Style::Marks, rest.iter().copied()),

@@ -4,7 +4,6 @@ mod figures;
 mod report;
 
 use std::fs;
-use std::io::{self, Read};
 use std::path::Path;
 
 use muslin::Scene;
@@ -12,9 +11,10 @@ use muslin::scene::MAX_DATA_BYTES;
 use muslin_fit::{FabricFit, FabricText, FitError, Label, Measurement, parse_areal_density};
 
 use crate::args::FitArguments;
-use crate::error::{CliError, reason};
+use crate::error::CliError;
 use crate::folder::{Folder, Owner};
 use crate::print_text;
+use crate::scene_file::read_data;
 use report::{FORMAT, NUMBERS, PAGE};
 
 /// What the folder is.
@@ -49,7 +49,13 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         return print_text(&text.toml);
     };
     let folder = Folder::create(dir, arguments.force, &OWNER)?;
-    folder.write(&report::files(&fit, &text, &arguments.fabric))?;
+    let replaced = report::recorded_files(&dir.join(NUMBERS));
+    let files = report::files(&fit, &text, &arguments.fabric);
+    folder.write(&files)?;
+    // Plots of an earlier fit beside this one would pass for its own.
+    for name in replaced.iter().filter(|old| files.iter().all(|(name, _)| name != *old)) {
+        let _ = fs::remove_file(dir.join(name));
+    }
     print_text(&format!(
         "{}\n# written to {}: {}.toml, {PAGE} with plots, {NUMBERS}\n",
         text.toml,
@@ -92,28 +98,15 @@ fn read(argument: &str) -> Result<Measurement, CliError> {
 
 /// The bytes of a data file.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
-    const HELP: &str = "name the CSV file of a test, as `warp=tensile-warp.csv`";
-    let shown = path.display();
-    let read = || -> io::Result<Option<Vec<u8>>> {
-        // Not opened first: opening a pipe may wait for ever.
-        if !fs::metadata(path)?.is_file() {
-            return Ok(None);
-        }
-        let mut bytes = Vec::new();
-        fs::File::open(path)?.take(MAX_DATA_BYTES as u64 + 1).read_to_end(&mut bytes)?;
-        Ok(Some(bytes))
-    };
-    match read() {
-        Ok(Some(bytes)) if bytes.len() <= MAX_DATA_BYTES => Ok(bytes),
-        Ok(Some(_)) => Err(CliError::input(
-            format_args!("{shown} is longer than {} MiB", MAX_DATA_BYTES >> 20),
-            "thin it out: some hundreds of points tell as much",
-        )),
-        Ok(None) => Err(CliError::input(format_args!("{shown} is not a file"), HELP)),
-        Err(error) => {
-            Err(CliError::input(format_args!("{shown} could not be read: {}", reason(&error)), HELP))
-        }
+    let help = "name the CSV file of a test, as `warp=tensile-warp.csv`";
+    let bytes = read_data(path).map_err(|reason| CliError::input(reason, help))?;
+    if bytes.len() <= MAX_DATA_BYTES {
+        return Ok(bytes);
     }
+    Err(CliError::input(
+        format_args!("{} is longer than {} MiB", path.display(), MAX_DATA_BYTES >> 20),
+        "thin it out: some hundreds of points tell as much",
+    ))
 }
 
 /// Makes sure that a scene can have the fabric called `name` in cells `ratio` times as wide as high: muslin reads what it writes.

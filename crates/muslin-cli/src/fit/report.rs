@@ -1,6 +1,8 @@
 //! The files of a fit: the fabric, tables, plots, all numbers, and a page of them.
 
 use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
 
 use muslin_fit::{FabricFit, FabricText, Outcome, Parameter, Undetermined};
 use serde_json::{Value, json};
@@ -29,9 +31,22 @@ pub(super) fn files(fit: &FabricFit, text: &FabricText, name: &str) -> Vec<(Stri
         let svg = svg_element(&figure.caption, figure.plot.size(), &figure.plot.elements(&figure.name), true);
         files.push((format!("{}.svg", figure.name), svg.into_bytes()));
     }
-    files.push((NUMBERS.to_owned(), format!("{:#}\n", numbers(fit, name)).into_bytes()));
     files.push((PAGE.to_owned(), page(text, name, &figures).into_bytes()));
+    let mut numbers = numbers(fit, name);
+    numbers["files"] = files.iter().map(|(name, _)| name.as_str()).collect();
+    files.push((NUMBERS.to_owned(), format!("{numbers:#}\n").into_bytes()));
     files
+}
+
+/// Names of the files that the fit at `path` wrote beside it; none if there is no such.
+pub(super) fn recorded_files(path: &Path) -> Vec<String> {
+    let numbers: Value = serde_json::from_slice(&fs::read(path).unwrap_or_default()).unwrap_or_default();
+    let names = numbers["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    // A fit writes no folders, and nothing outside its own.
+    names
+        .filter(|name| !name.contains(['/', '\\', ':']) && !name.starts_with('.'))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The page: one file that needs no other.

@@ -73,7 +73,21 @@ fn a_folder_holds_fabric_page_plots_and_numbers() {
     let message = "error: out exists already and is not empty\n  help: replace its files with `--force`, or choose another \
                    folder with `--out DIR`";
     fit(&work, &["--out", "out"]).assert_failure(2, message);
-    fit(&work, &["--out", "out", "--force"]).assert_success();
+    // Plots that the new fit has none of go, what is not the fit's stays.
+    work.write("out/notes.txt", "mine");
+    let less = [
+        "fit",
+        "warp=warp.csv",
+        "--areal-density",
+        "200 g/m2",
+        "--fabric",
+        "other",
+        "--out",
+        "out",
+        "--force",
+    ];
+    Outcome::of(&mut work.command(less)).assert_success();
+    assert_eq!(work.names("out"), ["fit.json", "index.html", "notes.txt", "other.toml"]);
 }
 
 /// A curve that softens fits no law: the fabric names a table, which stands beside it and is read back.
