@@ -151,7 +151,7 @@ impl Outcome {
     pub(crate) fn assert_success(&self) {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
         let is_progress = |line: &str| {
-            let parts = [" s  step ", "x real time  ", " left"];
+            let parts = ["s  step ", "x real time  ", " left"];
             (parts.iter().all(|part| line.contains(part)) || line.starts_with("writing "))
                 && !line.contains(char::is_control)
         };

@@ -9,9 +9,6 @@ use crate::{Points, PointsMut};
 /// Particles that are worked on at a time, so that what is kept of them stays in a core's first-level cache.
 const TILE: usize = 512;
 
-/// Particles that are evaluated side by side.
-const LANES: usize = 8;
-
 /// Room for the particle before a tile and the one after it.
 const PAD: usize = 1;
 
@@ -163,17 +160,7 @@ impl<'a> Strip<'a> {
         let slices = self.slices(tile.start + inner.start, length);
         let across = &mut kept.across[PAD + inner.start..PAD + inner.end];
         let along = &mut kept.along[inner.clone()];
-        if length < LANES {
-            for start in 0..length {
-                self.eval_lanes::<1, INNER>(&slices, start, across, along);
-            }
-        } else {
-            for start in (0..length).step_by(LANES) {
-                // In the end some particles again, which costs less than the last ones one by one.
-                let start = start.min(length - LANES);
-                self.eval_lanes::<LANES, INNER>(&slices, start, across, along);
-            }
-        }
+        self.eval_row::<INNER>(&slices, across, along);
         if !starts_row {
             kept.across[PAD - 1] = self.beside::<INNER>(tile.start - 1);
         }
@@ -235,26 +222,13 @@ impl<'a> Strip<'a> {
         [value(far_before), value(before), value(own), value(after), value(far_after)]
     }
 
-    /// Evaluates `COUNT` particles of `slices` side by side, from `start` on.
+    /// Evaluates the particles of `slices`.
     #[inline(always)]
-    fn eval_lanes<const COUNT: usize, const INNER: bool>(
-        &self,
-        slices: &[&[f64]; 7],
-        start: usize,
-        across: &mut [f64],
-        along: &mut [f64],
-    ) {
-        let lanes = |values: &[f64]| -> [f64; COUNT] {
-            let mut lanes = [0.0; COUNT];
-            lanes.copy_from_slice(&values[start..start + COUNT]);
-            lanes
-        };
-        let [far_before, before, own, after, far_after, left, right] = slices;
-        let (far_before, before, own) = (lanes(far_before), lanes(before), lanes(own));
-        let (after, far_after, left, right) = (lanes(after), lanes(far_after), lanes(left), lanes(right));
-        let across = &mut across[start..start + COUNT];
-        let along = &mut along[start..start + COUNT];
-        for i in 0..COUNT {
+    fn eval_row<const INNER: bool>(&self, slices: &[&[f64]; 7], across: &mut [f64], along: &mut [f64]) {
+        let count = across.len();
+        let [far_before, before, own, after, far_after, left, right] = slices.map(|slice| &slice[..count]);
+        let along = &mut along[..count];
+        for i in 0..count {
             let column = [far_before[i], before[i], own[i], after[i], far_after[i]];
             (across[i], along[i]) = self.products::<INNER>(column, [left[i], right[i]]);
         }
