@@ -156,14 +156,14 @@ impl<'a> Strip<'a> {
     fn eval_tile<const LANES: usize, const INNER: bool>(&self, tile: &Range<usize>, kept: &mut Kept) {
         let (columns, count) = (self.columns, tile.len());
         // Ends of a row come later, and what is beyond them does not count.
-        let starts_row = tile.start % columns == 0;
-        let ends_row = tile.end % columns == 0;
+        let starts_row = tile.start.is_multiple_of(columns);
+        let ends_row = tile.end.is_multiple_of(columns);
         let inner = usize::from(starts_row)..count - usize::from(ends_row);
         let length = inner.len();
         let whole = length - length % LANES;
         let slices = self.slices(tile.start + inner.start, length);
         let across = &mut kept.across[PAD + inner.start..PAD + inner.end];
-        let along = &mut kept.along[inner.clone()];
+        let along = &mut kept.along[inner];
         for start in (0..whole).step_by(LANES) {
             self.eval_lanes::<LANES, INNER>(&slices, start, across, along);
         }
