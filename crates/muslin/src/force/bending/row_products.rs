@@ -153,13 +153,13 @@ impl<'a> Strip<'a> {
     fn eval_tile<const INNER: bool>(&self, tile: &Range<usize>, kept: &mut Kept) {
         let (columns, count) = (self.columns, tile.len());
         // Ends of a row come later, and what is beyond them does not count.
-        let starts_row = tile.start % columns == 0;
-        let ends_row = tile.end % columns == 0;
+        let starts_row = tile.start.is_multiple_of(columns);
+        let ends_row = tile.end.is_multiple_of(columns);
         let inner = usize::from(starts_row)..count - usize::from(ends_row);
         let length = inner.len();
         let slices = self.slices(tile.start + inner.start, length);
         let across = &mut kept.across[PAD + inner.start..PAD + inner.end];
-        let along = &mut kept.along[inner.clone()];
+        let along = &mut kept.along[inner];
         self.eval_row::<INNER>(&slices, across, along);
         if !starts_row {
             kept.across[PAD - 1] = self.beside::<INNER>(tile.start - 1);

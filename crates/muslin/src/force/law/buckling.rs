@@ -177,7 +177,7 @@ mod tests {
         let (rigidity, length) = (3e-8, 0.02);
         let law = BucklingLaw::new(rigidity, 400.0, length);
         assert!(law.knee < 0.0 && -1e-4 * length < law.knee, "{law:?}");
-        for half_angle in [0.1_f64, 0.5, 1.0, 2.0, 3.0, 3.141] {
+        for half_angle in [0.1_f64, 0.5, 1.0, 2.0, 3.0, 0.9999 * std::f64::consts::PI] {
             let (sine, cosine) = half_angle.sin_cos();
             let sinc = sine / half_angle;
             let curvature = 2.0 * half_angle / length;
