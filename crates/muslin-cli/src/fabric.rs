@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use muslin::integrate::{Workers, largest_stable_step};
-use muslin::scene::{LibraryFabric, MeasuredFabric, MembraneTension};
+use muslin::scene::{BendingFriction, LibraryFabric, MeasuredFabric, MembraneTension};
 use muslin::{Model, Scene};
 
 use crate::error::CliError;
@@ -63,6 +63,9 @@ fn derived(fabric: &MeasuredFabric, step: f64) -> String {
     let [warp, weft, bias] =
         [bending.warp, bending.weft, bending.bias()].map(|rigidity| significant(1e6 * rigidity));
     line("bending rigidity", format!("{warp} µN m along warp, {weft} along weft, {bias} at 45°"));
+    if let Some(text) = friction(fabric) {
+        line("held by friction", text);
+    }
     let [warp, weft] = bending.bending_lengths(fabric.areal_density).map(|length| significant(1e3 * length));
     line("bending length", format!("{warp} mm along warp, {weft} along weft"));
     let [narrowest, widest] = fabric.cell_ratios();
@@ -76,6 +79,17 @@ fn derived(fabric: &MeasuredFabric, step: f64) -> String {
     );
     line("largest stable step", format!("{} in cells of 10 mm, unstretched", duration_text(step)));
     lines
+}
+
+/// The curvature that friction can hold, 2HB / 2B, if there is any.
+fn friction(fabric: &MeasuredFabric) -> Option<String> {
+    let held = |friction: Option<BendingFriction>, rigidity: f64| {
+        friction.map_or(0.0, |friction| friction.moment / rigidity)
+    };
+    let warp = held(fabric.friction.warp_bend, fabric.bending.warp);
+    let weft = held(fabric.friction.weft_bend, fabric.bending.weft);
+    let text = format!("curvature of {} /m along warp, {} along weft", significant(warp), significant(weft));
+    (0.0 < warp + weft).then_some(text)
 }
 
 fn tension(tension: &MembraneTension) -> String {

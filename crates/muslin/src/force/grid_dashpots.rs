@@ -78,15 +78,13 @@ impl GridDashpots {
         dashpots.collect()
     }
 
-    /// The elements of `segment`, and their coefficients.
+    /// Makes `chunk` the elements of `segment`, with their coefficients in place of their shares.
     #[inline(always)]
-    fn chunk(&self, at: Configuration<'_>, segment: &Segment) -> (Chunk, [f64; CHUNK]) {
-        let chunk = Chunk::new(&self.elements, segment, at.positions, at.particles);
-        let mut coefficients = chunk.shares;
-        for coefficient in &mut coefficients {
-            *coefficient *= self.coefficient;
+    fn eval(&self, chunk: &mut Chunk, at: Configuration<'_>, segment: &Segment) {
+        chunk.eval(&self.elements, segment, at.positions, at.particles);
+        for share in &mut chunk.shares {
+            *share *= self.coefficient;
         }
-        (chunk, coefficients)
     }
 }
 
@@ -105,12 +103,12 @@ impl Vectorise for AddDamping<'_, '_> {
     fn run<const LANES: usize>(self) {
         let Self { dashpots, at, block, forces } = self;
         let Some(rows) = dashpots.elements.grid.block_rows(block) else { return };
+        let (mut chunk, mut factors) = (Chunk::empty(), [0.0; CHUNK]);
         dashpots.elements.for_each_touching(block, |segment| {
-            let (chunk, coefficients) = dashpots.chunk(at, segment);
-            let mut factors = [0.0; CHUNK];
+            dashpots.eval(&mut chunk, at, segment);
             chunk.eval_rates(at.velocities, &mut factors);
-            for i in 0..CHUNK {
-                factors[i] *= -coefficients[i];
+            for (factor, coefficient) in factors.iter_mut().zip(&chunk.shares) {
+                *factor *= -coefficient;
             }
             chunk.add_gradients(&factors, &rows, block.start, forces);
         });
@@ -139,20 +137,20 @@ impl Force for GridDashpots {
 
     fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
+        let mut chunk = Chunk::empty();
         self.elements.for_each_touching(block, |segment| {
-            let (chunk, coefficients) = self.chunk(at, segment);
-            chunk.add_bounds(&coefficients, at.particles.pinned(), &rows, block.start, bounds);
+            self.eval(&mut chunk, at, segment);
+            chunk.add_bounds(&chunk.shares, at.particles.pinned(), &rows, block.start, bounds);
         });
     }
 
     fn damping_power(&self, at: Configuration<'_>) -> f64 {
-        let mut power = 0.0;
+        let (mut chunk, mut rates, mut power) = (Chunk::empty(), [0.0; CHUNK], 0.0);
         self.elements.for_each(|segment| {
-            let (chunk, coefficients) = self.chunk(at, segment);
-            let mut rates = [0.0; CHUNK];
+            self.eval(&mut chunk, at, segment);
             chunk.eval_rates(at.velocities, &mut rates);
-            for i in 0..chunk.len() {
-                power += coefficients[i] * rates[i] * rates[i];
+            for (coefficient, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {
+                power += coefficient * rate * rate;
             }
         });
         power

@@ -24,29 +24,36 @@ pub(in crate::force) struct Chunk {
 }
 
 impl Chunk {
-    /// Where `elements` of `segment` are.
+    /// Room for elements.
     #[inline(always)]
-    pub(in crate::force) fn new(
+    pub(in crate::force) fn empty() -> Self {
+        Self {
+            segment: Segment::default(),
+            coordinates: [0.0; CHUNK],
+            shares: [0.0; CHUNK],
+            gradients: [[[0.0; CHUNK]; 3]; NODES],
+        }
+    }
+
+    /// Becomes the `elements` of `segment` where they are; what is behind them stays as it was.
+    #[inline(always)]
+    pub(in crate::force) fn eval(
+        &mut self,
         elements: &GridElements,
         segment: &Segment,
         positions: &Points,
         particles: &Particles,
-    ) -> Self {
-        let mut chunk = Self {
-            segment: *segment,
-            coordinates: [0.0; CHUNK],
-            shares: [segment.share; CHUNK],
-            gradients: [[[0.0; CHUNK]; 3]; NODES],
-        };
+    ) {
+        self.segment = *segment;
+        self.shares.fill(segment.share);
         match elements.coordinate {
-            Coordinate::Extension { rest_length, .. } => chunk.eval_extensions(positions, rest_length),
-            Coordinate::Shear => chunk.eval_shear(positions, &elements.grid),
+            Coordinate::Extension { rest_length, .. } => self.eval_extensions(positions, rest_length),
+            Coordinate::Shear => self.eval_shear(positions, &elements.grid),
             Coordinate::Bend(_) => {
-                chunk.eval_bends(positions);
-                chunk.double_clamps(particles.pinned());
+                self.eval_bends(positions);
+                self.double_clamps(particles.pinned());
             }
         }
-        chunk
     }
 
     /// Number of elements.

@@ -76,7 +76,7 @@ pub(super) enum Line {
 /// Neighbouring elements of one row, whose nodes are at the same places relative to their owners.
 ///
 /// An element is owned by its first node, in whose place it has its memory; one of a line by the particle in the middle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Segment {
     /// Row and column of the first owner.
     pub(super) row: usize,

@@ -44,9 +44,9 @@ fn particles(grid: &Grid, pins: &[usize]) -> Particles {
 
 /// Σ over all elements of share times weight times coordinate, with weights that tell them apart.
 fn potential(elements: &GridElements, positions: &Points, particles: &Particles) -> f64 {
-    let mut sum = 0.0;
+    let (mut chunk, mut sum) = (Chunk::empty(), 0.0);
     elements.for_each(|segment| {
-        let chunk = Chunk::new(elements, segment, positions, particles);
+        chunk.eval(elements, segment, positions, particles);
         for i in 0..chunk.len() {
             sum += weight(segment, i) * chunk.shares[i] * chunk.coordinates[i];
         }
@@ -60,13 +60,13 @@ fn weight(segment: &Segment, i: usize) -> f64 {
 
 /// Gradient of the above, block by block.
 fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, block_size: usize) -> Points {
-    let mut sums = Points::zeros(positions.len());
+    let (mut chunk, mut sums) = (Chunk::empty(), Points::zeros(positions.len()));
     let mut rest = sums.as_mut();
     for block in elements.grid.blocks(block_size) {
         let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
         let Some(rows) = elements.grid.block_rows(&block) else { panic!("a block of the grid") };
         elements.for_each_touching(&block, |segment| {
-            let chunk = Chunk::new(elements, segment, positions, particles);
+            chunk.eval(elements, segment, positions, particles);
             let mut factors = [0.0; CHUNK];
             for (i, factor) in factors[..chunk.len()].iter_mut().enumerate() {
                 *factor = weight(segment, i) * chunk.shares[i];
@@ -180,11 +180,11 @@ fn bounds_and_tensors_are_above_every_displacement() {
                 displacement.set(particle, DVec3::ZERO);
             }
         }
-        let mut stiffness = 0.0;
+        let (mut chunk, mut stiffness) = (Chunk::empty(), 0.0);
         let all = 0..count;
         let rows = 0..elements.grid.rows;
         elements.for_each(|segment| {
-            let chunk = Chunk::new(&elements, segment, &positions, &particles);
+            chunk.eval(&elements, segment, &positions, &particles);
             let mut rates = [0.0; CHUNK];
             chunk.eval_rates(&displacement, &mut rates);
             for (share, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {

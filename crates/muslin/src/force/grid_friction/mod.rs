@@ -14,7 +14,7 @@ use crate::{InstructionSet, Points, PointsMut};
 /// Friction inside of a cloth that does not depend on speed, along one coordinate of its grid: in shear, along yarns, or in
 /// bending.
 ///
-/// Each element is a [stop](super::stop::Stop): a spring whose other end slips once its force would exceed a limit Y. It remembers
+/// Each element is a stop of Prandtl and Ishlinskii: a spring whose other end slips once its force would exceed a limit Y. It remembers
 /// its slip, one value that belongs to the particle that owns the element. Forces along the coordinate act on the element's
 /// particles by its gradients, so that there is neither a net force nor a moment, nor any force in rigid motion.
 ///
@@ -45,10 +45,10 @@ enum FrictionLimit {
 impl FrictionLimit {
     /// Overwrites `limits` with Y and `growths` with dY/dq at `coordinates`.
     #[inline(always)]
-    fn eval(&self, coordinates: &[f64; CHUNK], limits: &mut [f64; CHUNK], growths: &mut [f64; CHUNK]) {
+    fn eval(&self, coordinates: &[f64], limits: &mut [f64; CHUNK], growths: &mut [f64; CHUNK]) {
         match self {
             Self::Affine { at_rest, growth } => {
-                for i in 0..CHUNK {
+                for i in 0..coordinates.len() {
                     limits[i] = at_rest + growth * coordinates[i].abs();
                     growths[i] = if coordinates[i] < 0.0 { -growth } else { *growth };
                 }
@@ -66,7 +66,7 @@ impl FrictionLimit {
 
 /// Evaluates limits in proportion to a tension.
 struct EvalTensions<'a> {
-    coordinates: &'a [f64; CHUNK],
+    coordinates: &'a [f64],
     limits: &'a mut [f64; CHUNK],
     growths: &'a mut [f64; CHUNK],
     ratio: f64,
@@ -76,7 +76,7 @@ struct EvalTensions<'a> {
 impl LawVisitor for EvalTensions<'_> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        for i in 0..CHUNK {
+        for i in 0..self.coordinates.len() {
             let (tension, tangent) = law.tension_and_tangent(self.coordinates[i], self.rest_length);
             let share = if 0.0 < self.coordinates[i] { self.ratio } else { 0.0 };
             self.limits[i] = share * tension;
@@ -93,24 +93,39 @@ struct Stops {
     growths: [f64; CHUNK],
 }
 
+impl Stops {
+    /// Room for stops.
+    #[inline(always)]
+    fn empty() -> Self {
+        let [stiffnesses, limits, growths] = [[0.0; CHUNK]; 3];
+        Self { chunk: Chunk::empty(), stiffnesses, limits, growths }
+    }
+
+    /// Becomes those of `friction` in `segment`.
+    #[inline(always)]
+    fn eval(&mut self, friction: &GridFriction, at: Configuration<'_>, segment: &Segment) {
+        let Self { chunk, stiffnesses, limits, growths } = self;
+        chunk.eval(&friction.elements, segment, at.positions, at.particles);
+        let count = chunk.len();
+        friction.limit.eval(&chunk.coordinates[..count], limits, growths);
+        for i in 0..count {
+            stiffnesses[i] = friction.stiffness * chunk.shares[i];
+            limits[i] *= segment.share;
+            growths[i] *= segment.share;
+        }
+    }
+
+    /// One of them, with its slip.
+    #[inline(always)]
+    fn stop(&self, i: usize, slip: f64) -> Stop {
+        Stop { stiffness: self.stiffnesses[i], slip, limit: self.limits[i] }
+    }
+}
+
 impl GridFriction {
     /// Layers of memory of a whole configuration or of a block.
     fn layers(memory: &[f64], particles: usize) -> usize {
         memory.len().checked_div(particles).unwrap_or(0)
-    }
-
-    #[inline(always)]
-    fn stops(&self, at: Configuration<'_>, segment: &Segment) -> Stops {
-        let chunk = Chunk::new(&self.elements, segment, at.positions, at.particles);
-        let (mut limits, mut growths) = ([0.0; CHUNK], [0.0; CHUNK]);
-        self.limit.eval(&chunk.coordinates, &mut limits, &mut growths);
-        let mut stiffnesses = [0.0; CHUNK];
-        for i in 0..CHUNK {
-            stiffnesses[i] = self.stiffness * chunk.shares[i];
-            limits[i] *= segment.share;
-            growths[i] *= segment.share;
-        }
-        Stops { chunk, stiffnesses, limits, growths }
     }
 
     /// The slips of `segment`; none if nothing is remembered.
@@ -122,13 +137,13 @@ impl GridFriction {
 
     /// Calls `visit` with the stops of every element, its number among those of its segment and its coordinate.
     fn for_each_stop(&self, at: Configuration<'_>, mut visit: impl FnMut(Stop, f64)) {
+        let mut stops = Stops::empty();
         self.elements.for_each(|segment| {
-            let Stops { chunk, stiffnesses, limits, .. } = self.stops(at, segment);
+            stops.eval(self, at, segment);
             let slips = self.slips(at, segment);
-            for i in 0..chunk.len() {
+            for i in 0..stops.chunk.len() {
                 let slip = slips.get(i).copied().unwrap_or(0.0);
-                let stop = Stop { stiffness: stiffnesses[i], slip, limit: limits[i] };
-                visit(stop, chunk.coordinates[i]);
+                visit(stops.stop(i, slip), stops.chunk.coordinates[i]);
             }
         });
     }
@@ -161,19 +176,18 @@ impl Vectorise for AddFriction<'_, '_> {
     fn run<const LANES: usize>(self) {
         let Self { friction, at, block, forces, mut bounds } = self;
         let Some(rows) = friction.elements.grid.block_rows(block) else { return };
+        let (mut stops, mut slips, mut factors) = (Stops::empty(), [0.0; CHUNK], [0.0; CHUNK]);
         friction.elements.for_each_touching(block, |segment| {
-            let Stops { chunk, stiffnesses, limits, .. } = friction.stops(at, segment);
-            let mut slips = [0.0; CHUNK];
+            stops.eval(friction, at, segment);
             let known = friction.slips(at, segment);
             slips[..known.len()].copy_from_slice(known);
-            let mut factors = [0.0; CHUNK];
-            for i in 0..CHUNK {
-                let stop = Stop { stiffness: stiffnesses[i], slip: slips[i], limit: limits[i] };
-                factors[i] = -stop.force(chunk.coordinates[i]);
+            for i in 0..stops.chunk.len() {
+                factors[i] = -stops.stop(i, slips[i]).force(stops.chunk.coordinates[i]);
             }
-            chunk.add_gradients(&factors, &rows, block.start, forces);
+            stops.chunk.add_gradients(&factors, &rows, block.start, forces);
             if let Some(bounds) = bounds.as_deref_mut() {
-                chunk.add_bounds(&stiffnesses, at.particles.pinned(), &rows, block.start, bounds);
+                let pinned = at.particles.pinned();
+                stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
             }
         });
     }
@@ -203,9 +217,11 @@ impl Force for GridFriction {
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
+        let mut stops = Stops::empty();
         self.elements.for_each_touching(block, |segment| {
-            let Stops { chunk, stiffnesses, .. } = self.stops(at, segment);
-            chunk.add_bounds(&stiffnesses, at.particles.pinned(), &rows, block.start, bounds);
+            stops.eval(self, at, segment);
+            let pinned = at.particles.pinned();
+            stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
         });
     }
 
@@ -216,9 +232,11 @@ impl Force for GridFriction {
         tensors: &mut StiffnessTensorsMut<'_>,
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
+        let mut stops = Stops::empty();
         self.elements.for_each_touching(block, |segment| {
-            let Stops { chunk, stiffnesses, .. } = self.stops(at, segment);
-            chunk.add_tensors(&stiffnesses, at.particles.pinned(), &rows, block.start, tensors);
+            stops.eval(self, at, segment);
+            let pinned = at.particles.pinned();
+            stops.chunk.add_tensors(&stops.stiffnesses, pinned, &rows, block.start, tensors);
         });
     }
 
@@ -231,14 +249,14 @@ impl Force for GridFriction {
         products: &mut PointsMut<'_>,
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
+        let (mut stops, mut factors) = (Stops::empty(), [0.0; CHUNK]);
         self.elements.for_each_touching(block, |segment| {
-            let Stops { chunk, stiffnesses, .. } = self.stops(at, segment);
-            let mut factors = [0.0; CHUNK];
-            chunk.eval_rates(displacements, &mut factors);
-            for i in 0..CHUNK {
-                factors[i] *= stiffnesses[i];
+            stops.eval(self, at, segment);
+            stops.chunk.eval_rates(displacements, &mut factors);
+            for (factor, stiffness) in factors.iter_mut().zip(&stops.stiffnesses) {
+                *factor *= stiffness;
             }
-            chunk.add_gradients(&factors, &rows, block.start, products);
+            stops.chunk.add_gradients(&factors, &rows, block.start, products);
         });
     }
 
@@ -273,14 +291,14 @@ impl Vectorise for AdvanceMemory<'_> {
         let Self { friction, at, block, memory } = self;
         let layers = GridFriction::layers(memory, block.len());
         let grid = &friction.elements.grid;
-        let mut lost = 0.0;
+        let (mut stops, mut lost) = (Stops::empty(), 0.0);
         friction.elements.for_each_owned(block, |segment| {
-            let Stops { chunk, stiffnesses, limits, growths } = friction.stops(at, segment);
+            stops.eval(friction, at, segment);
             let slips = &mut memory[segment.memory(grid, block.start, layers, friction.layer)];
             for (i, slip) in slips.iter_mut().enumerate() {
-                let stop = Stop { stiffness: stiffnesses[i], slip: *slip, limit: limits[i] };
-                let slipped = stop.slipped(chunk.coordinates[i]);
-                lost += if slipped == *slip { 0.0 } else { stop.loss(slipped, growths[i]) };
+                let stop = stops.stop(i, *slip);
+                let slipped = stop.slipped(stops.chunk.coordinates[i]);
+                lost += if slipped == *slip { 0.0 } else { stop.loss(slipped, stops.growths[i]) };
                 *slip = slipped;
             }
         });

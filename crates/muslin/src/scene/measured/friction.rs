@@ -12,9 +12,9 @@ const SHEAR_END: f64 = 8.0;
 /// the rigidity.
 const BENDING_SLIP: f64 = 10.0;
 
-/// Least stiffness of friction along yarns, in chords of the loading curve [1], and in slopes with which friction grows at the
-/// greatest tension [1].
-const TURNING_CHORDS: f64 = 2.0;
+/// Least stiffness of what holds along yarns, in chords of the friction on loading [1], so that it turns around in a fifth of the
+/// extension, and in slopes of that friction at the greatest tension [1], so that it can follow the curve.
+const TURNING_CHORDS: f64 = 10.0;
 const TURNING_SLOPES: f64 = 2.0;
 
 /// Internal friction of a measured fabric, each kind if it has any.
@@ -130,44 +130,41 @@ impl TensionFriction {
     /// The friction of which a fabric that is loaded along `tension` up to the strain `extension` [1] gives back the share
     /// `resilience` RT [1] of the work; `None` if there is no such friction.
     ///
-    /// Without the way on which friction turns around, RT = (1 − μ) / (1 + μ). It takes some strain, since what holds is only so
-    /// stiff: as two chords of the loading curve, or as twice the growth of friction at the greatest tension if that is more.
-    /// μ is found by bisection so that the whole loop has RT.
+    /// Relative to an elastic tension t(e), friction is μ t on the way up. On the way back it falls with a stiffness of μ s until it
+    /// is −μ t, with s ten times the chord t/e up to the greatest tension, or twice the slope of t there if that is more:
+    ///
+    /// ```text
+    /// J = ∫ max(t(E) − s (E − e), −t(e)) de / ∫ t de        RT = (1 + μ J) / (1 + μ)        μ = (1 − RT) / (RT − J)
+    /// ```
+    ///
+    /// If it turned around at once, J would be −1, and RT = (1 − μ) / (1 + μ).
     #[must_use]
     pub fn from_kes(tension: &MembraneTension, extension: f64, resilience: f64) -> Option<Self> {
-        let ratio_of = |ratio: f64| resilience_of(tension, extension, ratio);
-        let (mut low, mut high) = (0.0, 1.0 - 1e-9);
-        if !(ratio_of(high) < resilience && resilience < 1.0) {
-            return None;
-        }
-        for _ in 0..48 {
-            let middle = 0.5 * (low + high);
-            if resilience < ratio_of(middle) { low = middle } else { high = middle }
-        }
-        Some(Self { ratio: low, stiffness: turning_stiffness(tension, extension, low) / (1.0 + low) })
+        let stiffness = turning_stiffness(tension, extension);
+        let ratio = (1.0 - resilience) / (resilience - returned_share(tension, extension, stiffness));
+        // Written so that what is not a number is no friction.
+        (0.0 < ratio && ratio < 1.0).then(|| Self { ratio, stiffness: ratio * stiffness / (1.0 + ratio) })
     }
 }
 
-/// Stiffness of what holds, relative to that of an elastic tension as large as the loading curve.
-fn turning_stiffness(tension: &MembraneTension, extension: f64, ratio: f64) -> f64 {
+/// s [N/m]: stiffness of what holds, by μ and relative to an elastic tension as large as the loading curve.
+fn turning_stiffness(tension: &MembraneTension, extension: f64) -> f64 {
     let chord = tension.tension(extension) / extension;
-    (TURNING_CHORDS * chord).max(TURNING_SLOPES * ratio * tension.slope(extension))
+    (TURNING_CHORDS * chord).max(TURNING_SLOPES * tension.slope(extension))
 }
 
-/// RT [1] of a loop up to the strain `extension`: the mean of many points each way.
-fn resilience_of(tension: &MembraneTension, extension: f64, ratio: f64) -> f64 {
-    const POINTS: u32 = 500;
-    let stiffness = turning_stiffness(tension, extension, ratio);
-    let greatest = ratio * tension.tension(extension);
-    let (mut given, mut taken) = (0.0, 0.0);
+/// J [1]: what friction gives back on the way from the strain `extension` to zero, by μ and the elastic work.
+fn returned_share(tension: &MembraneTension, extension: f64, stiffness: f64) -> f64 {
+    const POINTS: u32 = 10_000;
+    let greatest = tension.tension(extension);
+    let (mut returned, mut work) = (0.0, 0.0);
     for i in 0..POINTS {
         let strain = (f64::from(i) + 0.5) / f64::from(POINTS) * extension;
         let elastic = tension.tension(strain);
-        let friction = (greatest - stiffness * (extension - strain)).max(-ratio * elastic);
-        taken += (1.0 + ratio) * elastic;
-        given += elastic + friction;
+        returned += (greatest - stiffness * (extension - strain)).max(-elastic);
+        work += elastic;
     }
-    given / taken
+    returned / work
 }
 
 /// Times [s] by which a measured fabric lags behind its elastic forces: T = K (e + τ de/dt).
@@ -181,4 +178,59 @@ pub struct RetardationTimes {
     pub shear: f64,
     /// In bending along both; not negative.
     pub bend: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEGREE: f64 = PI / 180.0;
+
+    /// A straight line in the sine through both limits; what holds slips at 0.5°, or has turned around from 8° to 5°.
+    #[test]
+    fn friction_in_shear_goes_through_both_readings() {
+        for (hysteresis, hysteresis_5) in [(1.0, 1.0), (1.0, 2.0), (0.4, 3.9)] {
+            let friction = ShearFriction::from_kes(hysteresis, Some(hysteresis_5)).expect("friction");
+            let limit = |degrees: f64| friction.at_rest + friction.growth * (degrees * DEGREE).sin();
+            assert!((2.0 * limit(0.5) * (0.5 * DEGREE).cos() - hysteresis).abs() < 1e-14);
+            assert!((2.0 * limit(5.0) * (5.0 * DEGREE).cos() - hysteresis_5).abs() < 1e-14);
+            let way = friction.stiffness * ((8.0 * DEGREE).sin() - (5.0 * DEGREE).sin());
+            assert!(limit(8.0) + limit(5.0) <= way * (1.0 + 1e-14), "{friction:?}");
+            assert!(limit(0.5) <= friction.stiffness * (0.5 * DEGREE).sin() * (1.0 + 1e-14));
+            assert!(friction.growth < friction.stiffness);
+        }
+        assert_eq!(ShearFriction::from_kes(1.0, Some(0.9)), Err(ShearFrictionError::Falls));
+        assert_eq!(ShearFriction::from_kes(1.0, Some(10.1)), Err(ShearFrictionError::NoneAtRest));
+        let same = ShearFriction::from_kes(1.0, None).expect("friction");
+        assert_eq!(same.growth, 0.0);
+    }
+
+    /// μ is above (1 − RT) / (1 + RT), where friction would turn around at once, by half or so.
+    #[test]
+    fn friction_along_yarns_gives_back_what_it_should() {
+        let linear = MembraneTension::Linear { modulus: 900.0 };
+        let stiffening = MembraneTension::Tangent { modulus: 3600.0, strain_scale: 0.036 };
+        for (tension, extension, nearness) in [(&linear, 0.03, 1.6), (&stiffening, 0.047, 1.7)] {
+            for resilience in [0.35, 0.7, 0.9] {
+                let friction = TensionFriction::from_kes(tension, extension, resilience).expect("friction");
+                let at_once = (1.0 - resilience) / (1.0 + resilience);
+                assert!(at_once < friction.ratio && friction.ratio < nearness * at_once, "{friction:?}");
+                let growth = friction.ratio / (1.0 + friction.ratio) * tension.slope(extension);
+                assert!(growth < friction.stiffness, "friction follows the curve");
+            }
+            assert_eq!(TensionFriction::from_kes(tension, extension, 1.0), None);
+            assert_eq!(TensionFriction::from_kes(tension, extension, 0.01), None);
+        }
+    }
+
+    /// By hand, for a linear fabric: friction falls tenfold as fast as it grew, and is turned at 9/11 of the way; J = −7/11.
+    #[test]
+    fn the_loop_of_a_linear_fabric_is_known() {
+        let tension = MembraneTension::Linear { modulus: 3.0 };
+        let found = returned_share(&tension, 0.5, turning_stiffness(&tension, 0.5));
+        // A sum of 10⁴ midpoints across one kink.
+        assert!((found + 7.0 / 11.0).abs() < 1e-7, "{found}");
+        let friction = TensionFriction::from_kes(&tension, 0.5, 0.7).expect("friction");
+        assert!((friction.ratio - 0.3 / (0.7 + 7.0 / 11.0)).abs() < 1e-7, "{friction:?}");
+    }
 }
