@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use muslin::integrate::{Workers, largest_stable_step};
-use muslin::scene::{BendingModel, LibraryFabric, MeasuredFabric, MembraneTension};
+use muslin::scene::{BendingFriction, BendingModel, LibraryFabric, MeasuredFabric, MembraneTension};
 use muslin::{Model, Scene};
 
 use crate::error::CliError;
@@ -76,6 +76,9 @@ pub(crate) fn lines(fabric: &MeasuredFabric) -> Vec<(&'static str, String)> {
     let [warp, weft, bias] =
         [bending.warp, bending.weft, bending.bias()].map(|rigidity| significant(1e6 * rigidity));
     line("bending rigidity", format!("{warp} µN m along warp, {weft} along weft, {bias} at 45°"));
+    if let Some(text) = friction(fabric) {
+        line("held by friction", text);
+    }
     let [warp, weft] = bending.bending_lengths(fabric.areal_density).map(|length| significant(1e3 * length));
     if bending_model == BendingModel::ChoiKo {
         line("bent by", "links that buckle at once".to_owned());
@@ -91,6 +94,17 @@ pub(crate) fn lines(fabric: &MeasuredFabric) -> Vec<(&'static str, String)> {
         ),
     );
     lines
+}
+
+/// The curvature that friction can hold, 2HB / 2B, if there is any.
+fn friction(fabric: &MeasuredFabric) -> Option<String> {
+    let held = |friction: Option<BendingFriction>, rigidity: f64| {
+        friction.map_or(0.0, |friction| friction.moment / rigidity)
+    };
+    let warp = held(fabric.friction.warp_bend, fabric.bending.warp);
+    let weft = held(fabric.friction.weft_bend, fabric.bending.weft);
+    let text = format!("curvature of {} /m along warp, {} along weft", significant(warp), significant(weft));
+    (0.0 < warp + weft).then_some(text)
 }
 
 fn tension(tension: &MembraneTension) -> String {

@@ -271,8 +271,13 @@ fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
     move |positions, strains| {
         strains.clear();
         strains.resize(positions.len(), 0.0);
-        let at =
-            Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
+        let at = Configuration {
+            time: 0.0,
+            particles: model.particles(),
+            positions,
+            velocities: &velocities,
+            memory: &[],
+        };
         for force in model.forces() {
             force.eval_particle_strains(at, strains);
         }

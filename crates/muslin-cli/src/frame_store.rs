@@ -5,7 +5,9 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use muslin::observe::{Frame, FrameRecord, Recorder, StepCounts};
-use muslin::write::{FrameSource, MotionSource, POINT_BYTES, read_points, write_points};
+use muslin::write::{
+    FrameSource, MotionSource, POINT_BYTES, read_points, read_values, write_points, write_values,
+};
 use muslin::{Model, Points, State, StepMemory};
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +26,8 @@ pub(crate) struct FrameStore {
     velocities: BufWriter<File>,
 }
 
-/// What a run needs to go on from a frame, beside the frames themselves and the velocities of the half step before it.
+/// What a run needs to go on from a frame, beside the frames themselves and, in a file of their own, the velocities of the
+/// half step before it with what forces remember.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// Version of muslin; another one may compute other bits.
@@ -35,6 +38,8 @@ pub(crate) struct Checkpoint {
     time: f64,
     last_step: f64,
     step_memory: StepMemory,
+    /// How many values forces remember.
+    memory_values: usize,
     steps: StepCounts,
     max_strains: [Option<f64>; 3],
     frames: Vec<FrameRecord>,
@@ -118,7 +123,10 @@ impl FrameStore {
     ) -> Result<(), CliError> {
         self.flush()?;
         let velocities = self.folder.join(half_step_file(frame.index));
-        write_whole(&velocities, |out| write_points(out, &frame.state.velocities))?;
+        write_whole(&velocities, |out| {
+            write_points(out, &frame.state.velocities)?;
+            write_values(out, &frame.state.memory)
+        })?;
         let checkpoint = Checkpoint {
             muslin: env!("CARGO_PKG_VERSION").to_owned(),
             scene_hash: scene_hash.to_owned(),
@@ -126,6 +134,7 @@ impl FrameStore {
             time: frame.state.time,
             last_step: frame.state.last_step,
             step_memory: frame.state.step_memory,
+            memory_values: frame.state.memory.len(),
             steps: *recorder.steps(),
             max_strains: recorder.max_strains(),
             frames: recorder.frames().to_vec(),
@@ -205,7 +214,18 @@ impl Checkpoint {
         let path = store.folder.join(half_step_file(self.frame_index));
         let mut read = || {
             store.read_positions(self.frame_index as usize, &mut state.positions)?;
-            read_at(&mut File::open(&path)?, 0, store.particle_count, &mut state.velocities)
+            let mut file = File::open(&path)?;
+            read_points(&mut file, store.particle_count, &mut state.velocities)?;
+            // A damaged number must not ask for more memory than there is.
+            let values = file.metadata()?.len().saturating_sub(frame_bytes(store.particle_count)) / 8;
+            if values < self.memory_values as u64 {
+                return Err(io::Error::new(
+                    io::ErrorKind::UnexpectedEof,
+                    "it is shorter than its checkpoint says",
+                ));
+            }
+            state.memory.resize(self.memory_values, 0.0);
+            read_values(&mut file, &mut state.memory)
         };
         read().map_err(|error| CliError::read(&path, &error, "start again with `--force`"))?;
         Ok(state)
@@ -219,7 +239,7 @@ impl Checkpoint {
 
 const HALF_STEP_PREFIX: &str = "half-step-velocities-";
 
-/// Name of the file with the velocities [m/s] half a step before frame `frame_index`.
+/// Name of the file with the velocities [m/s] half a step before frame `frame_index`, and what forces remember there.
 fn half_step_file(frame_index: u64) -> String {
     format!("{HALF_STEP_PREFIX}{frame_index}.f64")
 }

@@ -127,6 +127,13 @@ impl Simulation {
                 ));
             }
         }
+        let remembered = model.memory_layers() * particles;
+        if state.memory.len() != remembered {
+            return wrong(format!(
+                "it remembers {} values, but the scene has forces that remember {remembered}",
+                state.memory.len()
+            ));
+        }
         if settings.frame_intervals < frame_index {
             return wrong(format!(
                 "it is of frame {frame_index}, but the last is {}",
@@ -218,6 +225,7 @@ impl Simulation {
                     let time = passed / self.settings.frame_rate;
                     let to = StepTo { step, time, is_measured: false };
                     self.integrator.step_to(&self.model, &mut self.state, to)?;
+                    self.integrator.accept(&self.model, &mut self.state);
                     show_step(observers, &self.model, &self.state);
                 }
             }
@@ -277,6 +285,7 @@ impl Simulation {
                     [stable_before.by_norms, stable_after.by_norms],
                 );
                 stable.accept(stable_after);
+                integrator.accept(model, state);
                 show_step(observers, model, state);
                 return Ok(is_last);
             }

@@ -19,6 +19,10 @@ pub struct State {
     pub step_memory: StepMemory,
     /// What [limits](crate::limit) did in that step.
     pub limit_work: LimitWork,
+    /// What forces remember, as [`Configuration::memory`](crate::force::Configuration::memory) has it; empty if none does.
+    pub memory: Vec<f64>,
+    /// Energy [J] that friction lost in that step.
+    pub friction_loss: f64,
 }
 
 /// What the rule for the step remembers of the steps before; a part of the state, since the next step depends on it.
@@ -88,7 +92,7 @@ pub struct LimitWork {
 }
 
 impl State {
-    /// Particles at rest at time zero at `positions` [m].
+    /// Particles at rest at time zero at `positions` [m], with nothing to remember.
     #[must_use]
     pub fn at_rest(positions: Points) -> Self {
         let velocities = Points::zeros(positions.len());
@@ -99,6 +103,8 @@ impl State {
             last_step: 0.0,
             step_memory: StepMemory::default(),
             limit_work: LimitWork::default(),
+            memory: Vec::new(),
+            friction_loss: 0.0,
         }
     }
 
@@ -110,5 +116,7 @@ impl State {
         self.last_step = other.last_step;
         self.step_memory = other.step_memory;
         self.limit_work = other.limit_work;
+        self.memory.clone_from(&other.memory);
+        self.friction_loss = other.friction_loss;
     }
 }

@@ -127,6 +127,7 @@ fn largest_strains_are_the_same_by_both_ways() {
             particles: model.particles(),
             positions: &state.positions,
             velocities: &state.velocities,
+            memory: &[],
         };
         let (mut sums, mut maxima) = ([StrainSums::default(); 3], [f64::NEG_INFINITY; 3]);
         for force in model.forces() {

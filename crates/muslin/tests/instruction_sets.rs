@@ -71,7 +71,7 @@ fn bent(model: &Model, scene: &Scene) -> Points {
 }
 
 fn at<'a>(model: &'a Model, positions: &'a Points) -> Configuration<'a> {
-    Configuration { time: 0.0, particles: model.particles(), positions, velocities: positions }
+    Configuration { time: 0.0, particles: model.particles(), positions, velocities: positions, memory: &[] }
 }
 
 /// Forces [N] and varying stiffness bounds [N/m] with one sweep over `blocks`.

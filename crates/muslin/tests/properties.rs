@@ -195,6 +195,8 @@ proptest! {
     /// Other units of mass, length and time, each a power of two, change no rounding: no hidden constant has a unit.
     #[test]
     fn other_units_give_the_same_bits(numbers in short_scene()) {
+        // Friction in bending holds up to a curvature that instruments do not resolve, and that has a unit.
+        let numbers = without_friction(numbers);
         let (mass, length, time) = (8.0, 4.0, 2.0);
         let mut other = with_vectors(&numbers, |v| v, |place| place * length);
         other.gravity = other.gravity.map(|g| g * length / (time * time));
@@ -219,10 +221,17 @@ proptest! {
             }
             cloth.mass *= mass;
             cloth.drag *= mass / time;
+            cloth.dampings = cloth.dampings.map(|damping| damping * mass / time);
             cloth.stiffnesses = cloth.stiffnesses.map(|stiffness| stiffness * mass / (time * time));
         }
         prop_assert_eq!(last_positions(&other), mapped(&last_positions(&numbers), |x| x * length));
     }
+}
+
+/// The same of a cloth whose forces all have a potential, or depend on velocities.
+fn without_friction(mut numbers: SceneNumbers) -> SceneNumbers {
+    numbers.cloths[0].has_friction = false;
+    numbers
 }
 
 /// A cloth in any shape: every particle moved by up to a fifth of the smallest rest length.
@@ -237,7 +246,7 @@ fn crumpled(numbers: &SceneNumbers) -> (Model, State, f64) {
 }
 
 fn at<'a>(model: &'a Model, positions: &'a Points, velocities: &'a Points) -> Configuration<'a> {
-    Configuration { time: 0.3, particles: model.particles(), positions, velocities }
+    Configuration { time: 0.3, particles: model.particles(), positions, velocities, memory: &[] }
 }
 
 /// Forces [N] on all particles at rest.
@@ -286,7 +295,8 @@ fn dot(a: &Points, b: &Points) -> f64 {
 
 /// The stiffness [N/m] that a particle feels from all its springs together, and more.
 fn stiffness(numbers: &SceneNumbers) -> f64 {
-    // The tangent law stiffens up to 1 + tan²(0.8 / 0.9) = 2.5 times at the largest strain of a crumpled cloth.
+    // The tangent law stiffens up to 1 + tan²(0.8 / 0.9) = 2.5 times at the largest strain of a crumpled cloth. Friction adds as
+    // much as twice the stiffness.
     10.0 * numbers.cloths[0].stiffnesses.iter().sum::<f64>()
 }
 
@@ -297,7 +307,7 @@ proptest! {
     /// k ℓ for δ = 1e-5 ℓ, and by the rounding of the energy, ε E / δ; the energy of 64 particles is below 64 k ℓ² + m g x.
     #[test]
     fn forces_are_the_gradient_of_the_energy(numbers in random_law_scene()) {
-        let numbers = SceneNumbers { winds: Vec::new(), airs: Vec::new(), ..numbers };
+        let numbers = without_friction(SceneNumbers { winds: Vec::new(), airs: Vec::new(), ..numbers });
         let (model, state, size) = crumpled(&numbers);
         let forces = forces(&model, &state.positions);
         let delta = 1e-5 * size;
@@ -324,8 +334,8 @@ proptest! {
     /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
-        // Air has no tangent: it is not stiff, and its derivative is not symmetric.
-        let numbers = SceneNumbers { airs: Vec::new(), ..numbers };
+        // Air has no tangent: it is not stiff, and its derivative is not symmetric. Friction has that of what holds.
+        let numbers = without_friction(SceneNumbers { airs: Vec::new(), ..numbers });
         let (model, state, size) = crumpled(&numbers);
         let direction = Random::new(8).points(state.positions.len(), 1.0);
         let products = tangent_products(&model, &state.positions, &direction);

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 use muslin::scene::{
-    AirSettings, BendingModel, BendingRigidity, Expectation, ExpectedQuantity, ExpectedRange, Fabric,
-    ForceDirection, GridSettings, GustSettings, KesTensile, LibraryFabric, LimitSettings, MeasuredFabric,
-    MembraneTension, Method, NoiseSettings, PinMotionSettings, PinPlace, PinSettings, Scene,
-    SpringLawSettings, SpringSettings, Start, StepRule, WindSettings, rigidity_from_bending_length,
+    AirSettings, BendingFriction, BendingModel, BendingRigidity, Expectation, ExpectedQuantity,
+    ExpectedRange, Fabric, ForceDirection, GridSettings, GustSettings, InternalFriction, KesTensile,
+    LibraryFabric, LimitSettings, MeasuredFabric, MembraneTension, Method, NoiseSettings, PinMotionSettings,
+    PinPlace, PinSettings, RetardationTimes, Scene, ShearFriction, SpringLawSettings, SpringSettings, Start,
+    StepRule, TensionFriction, WindSettings, rigidity_from_bending_length,
 };
 
 const COMPLETE: &str = include_str!("scenes/complete.toml");
@@ -56,7 +57,8 @@ fn every_value_of_a_complete_scene_is_read() {
         ]
     );
 
-    let springs = |stiffness| SpringSettings { stiffness, law: SpringLawSettings::Linear };
+    let springs = |stiffness| SpringSettings { stiffness, law: SpringLawSettings::Linear, damping: 0.0 };
+    let damped = SpringSettings { damping: 0.01, ..springs(20.0) };
     assert_eq!(scene.fabrics().keys().collect::<Vec<_>>(), ["cotton", "paper", "stiff paper", "wool"]);
     let Fabric::Measured(cotton) = &scene.fabrics()["cotton"] else { panic!("measured") };
     let rigidity = rigidity_from_bending_length(0.124, 0.02);
@@ -75,6 +77,13 @@ fn every_value_of_a_complete_scene_is_read() {
                 twist: 8e-6 - 0.25 * (9.80665e-6 + rigidity)
             },
             bending_model: BendingModel::SecondDifferences,
+            friction: InternalFriction {
+                weft: TensionFriction::from_kes(&test.tension().expect("a law"), 0.1275, 0.7),
+                shear: ShearFriction::from_kes(0.5, Some(0.980665)).ok(),
+                warp_bend: Some(BendingFriction::from_kes(1e-3)),
+                ..InternalFriction::default()
+            },
+            damping: RetardationTimes { warp: 0.0, weft: 1e-3, shear: 2e-3, bend: 3e-3 },
         }
     );
     let wool = LibraryFabric::find("typical-wool-tropical").expect("it is in the library").fabric();
@@ -82,7 +91,7 @@ fn every_value_of_a_complete_scene_is_read() {
     let Fabric::Springs(paper) = &scene.fabrics()["paper"] else { panic!("springs") };
     assert_eq!((paper.particle_mass, paper.drag), (0.002, 0.003));
     assert_eq!(paper.force_direction, ForceDirection::RestLength);
-    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [60.0, 20.0, 0.0].map(springs).each_ref());
+    assert_eq!([&paper.structural, &paper.shear, &paper.bend], [&springs(60.0), &damped, &springs(0.0)]);
     let cut_off = LimitSettings::CutOff { strain: 0.1, shear_strain: Some(0.3), passes: 4 };
     assert_eq!(paper.limit, Some(cut_off));
     let Fabric::Springs(stiff) = &scene.fabrics()["stiff paper"] else { panic!("springs") };

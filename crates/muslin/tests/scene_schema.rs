@@ -6,7 +6,7 @@ use muslin::scene::{JSON_SCHEMA, Scene, SceneErrorKind, set_value};
 use serde_json::Value;
 
 /// Where a complete scene has each object of the schema.
-const OBJECTS: [(&str, &str); 22] = [
+const OBJECTS: [(&str, &str); 23] = [
     ("", ""),
     ("/$defs/run", "run."),
     ("/$defs/step", "run.step."),
@@ -19,7 +19,8 @@ const OBJECTS: [(&str, &str); 22] = [
     ("/$defs/membrane_tension", "fabric.cotton.warp."),
     ("/$defs/membrane_shear", "fabric.cotton.shear."),
     ("/$defs/bending", "fabric.cotton.bend."),
-    ("/$defs/rigidity", "fabric.cotton.bend.warp."),
+    ("/$defs/yarn_rigidity", "fabric.cotton.bend.warp."),
+    ("/$defs/rigidity", "fabric.cotton.bend.bias."),
     ("/$defs/springs", "fabric.paper.shear."),
     ("/$defs/limit", "fabric.paper.limit."),
     ("/$defs/cloth", "cloth.0."),
@@ -86,7 +87,10 @@ fn schema_and_parser_require_the_same_keys() {
                 ["width", "height", "noise_time", "stiffness", "strain", "axis", "amplitude", "frequency"];
             let of_sine = ["amplitude", "angular_frequency", "phase"].contains(&key);
             // One of several ways to the same quantity.
-            let ways = ["areal_density", "modulus", "b_gf_cm2_per_cm"].contains(&key);
+            let ways = ["areal_density", "modulus"].contains(&key)
+                || (pointer == "/$defs/rigidity" && key == "rigidity");
+            // Needed by 2HG5.
+            let ways = ways || key == "2hg";
             let conditional =
                 conditional.contains(&key) || ways || (pointer == "/$defs/aerodynamic_wind" && of_sine);
             assert_eq!(missing, required.contains(key) || conditional, "`{path}{key}`");

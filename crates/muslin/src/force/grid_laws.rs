@@ -63,19 +63,20 @@ impl GridLaws {
     pub fn of_measured(fabric: &MeasuredFabric, grid: &Grid) -> Self {
         let spacings @ [hx, hy] = [grid.column_spacing, grid.row_spacing];
         let [share_x, share_y] = fabric.shear_springs_share(spacings);
+        let [weft, warp] = fabric.elastic_tensions();
         let mut groups = Vec::new();
-        for (tension, share, width, length, neighbours) in [
-            (&fabric.weft, share_x, hy, hx, [(-1, 0), (1, 0)]),
-            (&fabric.warp, share_y, hx, hy, [(0, -1), (0, 1)]),
-        ] {
+        for (tension, share, width, length, neighbours) in
+            [(&weft, share_x, hy, hx, [(-1, 0), (1, 0)]), (&warp, share_y, hx, hy, [(0, -1), (0, 1)])]
+        {
             for (lines, width) in [(Lines::Inner, width), (Lines::Edges, 0.5 * width)] {
                 let law = structural_law(tension, share, width, length);
                 let neighbours = neighbours.to_vec();
                 groups.push(SpringGroup { family: Family::Structural, law, neighbours, lines });
             }
         }
-        if 0.0 < fabric.shear_modulus {
-            let stiffness = fabric.shear_modulus * (hx * hx + hy * hy) / (2.0 * hx * hy);
+        let modulus = fabric.elastic_shear_modulus();
+        if 0.0 < modulus {
+            let stiffness = modulus * (hx * hx + hy * hy) / (2.0 * hx * hy);
             groups.push(SpringGroup {
                 family: Family::Shear,
                 law: SpringLaw::Linear(LinearLaw { stiffness }),
@@ -113,7 +114,7 @@ const DIAGONALS: [(isize, isize); 4] = [(-1, -1), (1, -1), (-1, 1), (1, 1)];
 
 /// The law of springs of `length` [m] that stand for a `width` [m] of a membrane, of whose `tension` shear springs carry
 /// the `share` [N/m] per strain.
-fn structural_law(tension: &MembraneTension, share: f64, width: f64, length: f64) -> SpringLaw {
+pub(super) fn structural_law(tension: &MembraneTension, share: f64, width: f64, length: f64) -> SpringLaw {
     // Tension per strain and width is stiffness times length by width.
     let stiffness = |modulus: f64| modulus * width / length;
     match tension {

@@ -5,7 +5,10 @@
 
 mod aerodynamic;
 mod bending;
+mod elements;
 mod gravity;
+mod grid_dashpots;
+mod grid_friction;
 mod grid_laws;
 mod grid_springs;
 mod grid_stiffness;
@@ -17,6 +20,7 @@ mod row_sums;
 mod row_sweep;
 mod spring;
 mod stiffness_tensors;
+mod stop;
 mod tile;
 mod tile_springs;
 mod wind;
@@ -27,6 +31,8 @@ use std::ops::Range;
 pub use aerodynamic::AerodynamicWind;
 pub use bending::GridBending;
 pub use gravity::Gravity;
+pub use grid_dashpots::GridDashpots;
+pub use grid_friction::GridFriction;
 pub use grid_laws::{GridLaws, Lines, SpringGroup};
 pub use grid_springs::GridSprings;
 pub use gust::Gust;
@@ -54,6 +60,11 @@ pub struct Configuration<'a> {
     /// Velocities [m/s] at that time, one per particle. Only forces that [depend on them](Force::depends_on_velocity) and
     /// bounds on damping look at them; whoever asks for neither may leave them empty.
     pub velocities: &'a Points,
+    /// What forces [remember](Force::advance_memory) of the motion so far; empty for a cloth as new.
+    ///
+    /// Within each row of a grid, [`Model::memory_layers`](crate::Model::memory_layers) layers of one value per particle
+    /// follow each other.
+    pub memory: &'a [f64],
 }
 
 /// A family of springs.
@@ -249,7 +260,30 @@ pub trait Force: fmt::Debug + Send + Sync {
         let _ = (at, block, bounds);
     }
 
-    /// Adds the potential energy [J] of all particles, if the force has one.
+    /// Power [W] that a force on velocities turns into heat inside of the cloth, by all particles at their velocities.
+    ///
+    /// It is [no external force](Self::is_external): the energy ledger counts this power, and not its work.
+    fn damping_power(&self, at: Configuration<'_>) -> f64 {
+        let _ = at;
+        0.0
+    }
+
+    /// How many layers of [memory](Configuration::memory) there are at least, that the force may use its own.
+    fn memory_layers(&self) -> usize {
+        0
+    }
+
+    /// Brings the `memory` of `block` up to date where the particles are; the energy [J] that friction lost on the way there.
+    ///
+    /// `memory` holds what [`Configuration::memory`] holds of the block. Once more at the same positions nothing changes and
+    /// nothing is lost, and no bit of a force depends on whether it was done there or not: so forces may be evaluated as often
+    /// as one likes, and memory is brought up to date once a step is final.
+    fn advance_memory(&self, at: Configuration<'_>, block: &Range<usize>, memory: &mut [f64]) -> f64 {
+        let _ = (at, block, memory);
+        0.0
+    }
+
+    /// Adds the potential energy [J] of all particles, if the force has one; what friction elements hold is a part of it.
     fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
         let _ = (at, energies);
     }

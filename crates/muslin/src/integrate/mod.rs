@@ -4,6 +4,7 @@ mod adaptive_step;
 mod block_bound;
 mod central_difference;
 mod limits;
+mod memory;
 mod motion;
 mod pins;
 mod stability;
@@ -13,6 +14,7 @@ mod workers;
 pub use adaptive_step::{AdaptiveStep, IdealStep};
 pub use block_bound::block_stable_step;
 pub use central_difference::CentralDifference;
+pub use memory::advance_memory;
 pub use stability::{constant_stiffness, guaranteed_stable_step, largest_stable_step};
 pub use stable_steps::StableSteps;
 pub use workers::{SplitArrays, Workers};
@@ -58,6 +60,8 @@ pub trait Integrator: Send {
     /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
     /// but for rounding.
     ///
+    /// Whoever keeps the step calls [`accept`](Self::accept) after this.
+    ///
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is no longer a finite number; `state` then holds it.
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError>;
@@ -92,6 +96,13 @@ pub trait Integrator: Send {
         constant_stiffness: f64,
     ) -> (Result<Motion, StepError>, StableStep);
 
+    /// Takes the step that led to `state` as final: forces that remember take note of it.
+    ///
+    /// No bit of a force at `state` changes, so that it does not matter whether they were evaluated before or after.
+    fn accept(&self, model: &Model, state: &mut State) {
+        advance_memory(self.workers(), model, state);
+    }
+
     /// Estimates the error [m] that the step from `before` to `after` added to any position, from forces that are evaluated
     /// at both; those at `after` are left behind.
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64;
@@ -104,13 +115,15 @@ pub trait Integrator: Send {
     /// The threads that the method works with.
     fn workers(&self) -> &Workers;
 
-    /// A whole step of `step` [s], which must be positive: forces and motion.
+    /// A whole step of `step` [s], which must be positive: forces and motion, and what forces remember of it.
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).
     fn step(&mut self, model: &Model, state: &mut State, step: f64) -> Result<(), StepError> {
         self.eval_forces(model, state);
-        self.move_by(model, state, step, state.time + step)
+        self.move_by(model, state, step, state.time + step)?;
+        self.accept(model, state);
+        Ok(())
     }
 
     /// [`velocities`](Self::velocities) after evaluating the forces.

@@ -16,8 +16,8 @@ pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 
 use crate::force::{
-    AerodynamicWind, Force, Gravity, GridBending, GridLaws, GridSprings, Gust, Noise, ParticleWind,
-    RandomStream,
+    AerodynamicWind, Force, Gravity, GridBending, GridDashpots, GridFriction, GridLaws, GridSprings, Gust,
+    Noise, ParticleWind, RandomStream,
 };
 use crate::limit::{GridLimit, Limit};
 use crate::scene::{
@@ -43,6 +43,7 @@ pub struct Model {
     forces: Vec<Box<dyn Force>>,
     limits: Vec<Box<dyn Limit>>,
     blocks: Vec<Range<usize>>,
+    memory_layers: usize,
     instructions: InstructionSet,
 }
 
@@ -104,6 +105,7 @@ impl Model {
                 Fabric::Springs(fabric) => {
                     let laws = GridLaws::of_springs(fabric);
                     forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
+                    forces.extend(boxed(GridDashpots::of_springs(fabric, grid, instructions)));
                     if let Some(limit) = GridLimit::new(grid, fabric) {
                         limits.push(Box::new(limit));
                     }
@@ -116,6 +118,8 @@ impl Model {
                     if is_rigidity && !bending.is_zero() {
                         forces.push(Box::new(bending));
                     }
+                    forces.extend(boxed(GridFriction::of_measured(fabric, grid, instructions)));
+                    forces.extend(boxed(GridDashpots::of_measured(fabric, grid, instructions)));
                 }
             }
             cloths.push(Cloth { name: settings.name.clone(), grid });
@@ -124,7 +128,8 @@ impl Model {
         let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
         forces.extend(winds(&environment.winds, scene.run(), &grids));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
-        Self { particles, moving_pins, cloths, forces, limits, blocks, instructions }
+        let memory_layers = forces.iter().map(|force| force.memory_layers()).max().unwrap_or(0);
+        Self { particles, moving_pins, cloths, forces, limits, blocks, memory_layers, instructions }
     }
 
     /// Masses, drags and pins.
@@ -163,6 +168,12 @@ impl Model {
         self.forces.iter().any(|force| force.depends_on_velocity())
     }
 
+    /// Values that forces [remember](State::memory) per particle; zero if none does.
+    #[must_use]
+    pub fn memory_layers(&self) -> usize {
+        self.memory_layers
+    }
+
     /// The instructions that loops over particles use.
     #[must_use]
     pub fn instructions(&self) -> InstructionSet {
@@ -184,6 +195,7 @@ impl Model {
             cloth.grid.place(&settings.place, &mut positions);
         }
         let mut state = State::at_rest(positions);
+        state.memory.resize(self.memory_layers * self.particles.len(), 0.0);
         for (particle, position) in self.moving_pins.positions(0.0) {
             state.positions.set(particle, position);
         }
@@ -215,6 +227,11 @@ impl Model {
         }
         counts
     }
+}
+
+/// Forces of one kind, each by itself.
+fn boxed<F: Force + 'static>(forces: Vec<F>) -> impl Iterator<Item = Box<dyn Force>> {
+    forces.into_iter().map(|force| Box::new(force) as Box<dyn Force>)
 }
 
 /// The forces of all winds: one for each on particles, and one for all that push faces, whose velocities add up.

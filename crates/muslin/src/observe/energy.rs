@@ -13,7 +13,8 @@ use crate::{Model, Points, PointsMut, State};
 /// Energies [J] at one time.
 ///
 /// ```text
-/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work − pin work + drag loss + limit loss
+/// residual = (kinetic + elastic + gravitational) − (the same at time zero) − wind work − pin work
+///            + drag loss + limit loss + friction loss + damping loss
 /// ```
 ///
 /// The residual would be zero in exact integration; with central differences it falls as the step squared.
@@ -21,11 +22,11 @@ use crate::{Model, Points, PointsMut, State};
 pub struct EnergyTerms {
     /// ½ Σ m v² over the particles that are free.
     pub kinetic: f64,
-    /// Of structural springs.
+    /// Of structural springs, and what friction along yarns holds.
     pub elastic_structural: f64,
-    /// Of shear springs.
+    /// Of shear springs, and what friction in shear holds.
     pub elastic_shear: f64,
-    /// Of bending: of bend springs, or of a measured fabric's rigidity.
+    /// Of bending: of bend springs, or of a measured fabric's rigidity, and what friction in bending holds.
     pub elastic_bend: f64,
     /// −Σ m g · x, zero at the origin.
     pub gravitational: f64,
@@ -37,13 +38,17 @@ pub struct EnergyTerms {
     pub drag_loss: f64,
     /// Energy that limits against super-elongation took since time zero.
     pub limit_loss: f64,
+    /// Energy that internal friction took since time zero.
+    pub friction_loss: f64,
+    /// Energy that internal damping took since time zero.
+    pub damping_loss: f64,
     /// What does not add up.
     pub residual: f64,
 }
 
 impl EnergyTerms {
     /// Names of the terms, in the order of [`values`](Self::values).
-    pub const NAMES: [&str; 10] = [
+    pub const NAMES: [&str; 12] = [
         "kinetic",
         "elastic_structural",
         "elastic_shear",
@@ -53,12 +58,14 @@ impl EnergyTerms {
         "pin_work",
         "drag_loss",
         "limit_loss",
+        "friction_loss",
+        "damping_loss",
         "residual",
     ];
 
     /// The terms [J] in the order of [`NAMES`](Self::NAMES).
     #[must_use]
-    pub fn values(&self) -> [f64; 10] {
+    pub fn values(&self) -> [f64; 12] {
         [
             self.kinetic,
             self.elastic_structural,
@@ -69,8 +76,15 @@ impl EnergyTerms {
             self.pin_work,
             self.drag_loss,
             self.limit_loss,
+            self.friction_loss,
+            self.damping_loss,
             self.residual,
         ]
+    }
+
+    /// What drag, limits, friction and damping took.
+    fn losses(&self) -> f64 {
+        self.drag_loss + self.limit_loss + self.friction_loss + self.damping_loss
     }
 
     /// Kinetic, elastic and gravitational energy together.
@@ -78,6 +92,9 @@ impl EnergyTerms {
         self.kinetic + self.elastic_structural + self.elastic_shear + self.elastic_bend + self.gravitational
     }
 }
+
+/// Place of the residual among the terms.
+const RESIDUAL: usize = EnergyTerms::NAMES.len() - 1;
 
 /// The largest residual of any frame, relative to the largest change of any term since the first frame.
 ///
@@ -92,14 +109,14 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
             return f64::INFINITY;
         }
         residual = residual.max(terms.residual.abs());
-        for (value, initial) in terms.values().iter().zip(first.values()).take(9) {
+        for (value, initial) in terms.values().iter().zip(first.values()).take(RESIDUAL) {
             scale = scale.max((value - initial).abs());
         }
     }
     if scale > 0.0 { residual / scale } else { 0.0 }
 }
 
-/// Sums the work of wind and pins and the losses to drag and limits over all steps, and takes stock at every frame.
+/// Sums the work of wind and pins and all losses over all steps, and takes stock at every frame.
 ///
 /// Over a step of h with displacement Δ = h v, with F_w the force of the wind and F the force of everything but the pins:
 ///
@@ -107,10 +124,12 @@ pub fn relative_residual<'a>(frames: impl IntoIterator<Item = &'a EnergyTerms>) 
 /// wind work += ½ Σ (F_w,before + F_w,after) · Δ        over all particles
 /// pin work  −= ½ Σ (F_before + F_after) · Δ            over the pins that move
 /// drag loss += Σ k_d v² h                              over the free particles
+/// friction loss += State::friction_loss
 /// ```
 ///
 /// A force that depends on velocities does the work F · Δ with F in the middle of the step, at x − ½ Δ and v: there the
-/// state's velocities are at home. To both comes [`State::limit_work`] of every
+/// state's velocities are at home. So are those that [damping power](Force::damping_power) belongs to, of which the step
+/// loses h times as much. To wind and pins comes [`State::limit_work`] of every
 /// step: what limits do on pins, the pins do against it. All are of second order, like the motion itself. What moves a pin
 /// has the mass and the drag of its particle to itself: its kinetic energy and the drag on it are in no term.
 #[derive(Clone, Debug, Default)]
@@ -139,11 +158,9 @@ impl EnergyLedger {
         &self.current
     }
 
-    /// Adds the work of the forces that depend on velocities over the step that led to `state`.
+    /// Adds what the forces that depend on velocities did over the step that led to `state`.
     fn add_work_of_moving(&mut self, model: &Model, state: &State) {
-        let forces =
-            || model.forces().iter().filter(|force| force.is_external() && force.depends_on_velocity());
-        if forces().next().is_none() {
+        if !model.depends_on_velocity() {
             return;
         }
         let half_step = 0.5 * state.last_step;
@@ -164,15 +181,34 @@ impl EnergyLedger {
             particles: model.particles(),
             positions: &self.middle_positions,
             velocities: &state.velocities,
+            memory: &state.memory,
+        };
+        let forces = |is_external: bool| {
+            let moving = model.forces().iter().filter(|force| force.depends_on_velocity());
+            moving.filter(move |force| force.is_external() == is_external)
         };
         // What was known of the forces before the step is no longer needed.
-        sum_forces(model, at, forces(), &mut self.external_after);
-        // What such forces do on a pin that moves does not reach the cloth.
-        for pin in model.moving_pins().particles() {
-            self.external_after.set(pin, DVec3::ZERO);
+        let sums = &mut self.external_after;
+        if forces(true).next().is_some() {
+            sum_forces(model, at, forces(true), sums);
+            // What such forces do on a pin that moves does not reach the cloth.
+            for pin in model.moving_pins().particles() {
+                sums.set(pin, DVec3::ZERO);
+            }
+            self.current.wind_work += mean_power(sums, sums, &state.velocities) * state.last_step;
         }
-        let power = mean_power(&self.external_after, &self.external_after, &state.velocities);
-        self.current.wind_work += power * state.last_step;
+        if forces(false).next().is_some() {
+            let power: f64 = forces(false).map(|force| force.damping_power(at)).sum();
+            self.current.damping_loss += power * state.last_step;
+            if model.moving_pins().is_empty() {
+                return;
+            }
+            sum_forces(model, at, forces(false), sums);
+            // A pin that moves works against the damping of the cloth that it holds.
+            let pins = model.moving_pins().particles();
+            let power: f64 = pins.map(|pin| sums.get(pin).dot(state.velocities.get(pin))).sum();
+            self.current.pin_work -= power * state.last_step;
+        }
     }
 }
 
@@ -184,6 +220,7 @@ impl Observer for EnergyLedger {
         );
         self.current.drag_loss += drag_power(model, state) * state.last_step;
         self.current.limit_loss -= state.limit_work.on_free + state.limit_work.on_pins;
+        self.current.friction_loss += state.friction_loss;
         self.current.pin_work += self.pins.add_step(model, state) - state.limit_work.on_pins;
         if eval_external_forces(model, state, &mut self.external_after) {
             let power = mean_power(&self.external_before, &self.external_after, &state.velocities);
@@ -200,6 +237,7 @@ impl Observer for EnergyLedger {
             particles,
             positions: &frame.state.positions,
             velocities: frame.velocities,
+            memory: &frame.state.memory,
         };
         let mut potentials = PotentialEnergies::default();
         for force in model.forces() {
@@ -223,7 +261,7 @@ impl Observer for EnergyLedger {
         };
         let gained = self.current.total() - initial.total();
         let work = self.current.wind_work + self.current.pin_work;
-        self.current.residual = gained - work + self.current.drag_loss + self.current.limit_loss;
+        self.current.residual = gained - work + self.current.losses();
     }
 }
 
@@ -240,6 +278,7 @@ fn eval_external_forces(model: &Model, state: &State, forces: &mut Points) -> bo
         particles: model.particles(),
         positions: &state.positions,
         velocities: &state.velocities,
+        memory: &state.memory,
     };
     sum_forces(model, at, external, forces);
     true

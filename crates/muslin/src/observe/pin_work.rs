@@ -53,6 +53,7 @@ impl PinWork {
             particles: model.particles(),
             positions: &state.positions,
             velocities: &state.velocities,
+            memory: &state.memory,
         };
         let mut work = 0.0;
         let mut forces = self.forces.iter_mut();

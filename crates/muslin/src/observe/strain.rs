@@ -59,6 +59,7 @@ impl Observer for StrainMonitor {
             particles: model.particles(),
             positions: &state.positions,
             velocities: &state.velocities,
+            memory: &state.memory,
         };
         for force in model.forces() {
             force.raise_max_strains(at, &mut self.maxima);
@@ -72,6 +73,7 @@ impl Observer for StrainMonitor {
             particles,
             positions: &frame.state.positions,
             velocities: frame.velocities,
+            memory: &frame.state.memory,
         };
         let mut sums = [StrainSums::default(); 3];
         for force in model.forces() {

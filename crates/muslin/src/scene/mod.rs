@@ -18,7 +18,8 @@ pub use error::{Position, SceneError, SceneErrorKind};
 pub use keyframes::{Keyframe, Keyframes, KeyframesError};
 pub use library::LibraryFabric;
 pub use measured::{
-    BendingModel, BendingRigidity, KesTensile, KesTensileError, MeasuredFabric, MembraneTension,
+    BendingFriction, BendingModel, BendingRigidity, InternalFriction, KesTensile, KesTensileError,
+    MeasuredFabric, MembraneTension, RetardationTimes, ShearFriction, ShearFrictionError, TensionFriction,
     rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian, units,
 };
 pub use settings::*;

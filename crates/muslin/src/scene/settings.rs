@@ -321,6 +321,8 @@ pub struct SpringSettings {
     pub stiffness: f64,
     /// Tension against strain.
     pub law: SpringLawSettings,
+    /// Damping c along each spring [kg/s], not negative: tension per rate of its length.
+    pub damping: f64,
 }
 
 impl SpringSettings {

@@ -17,7 +17,7 @@ use crate::Points;
 
 pub use gltf::{GlbInfo, write_glb};
 pub use poster::write_poster;
-pub use raw::{POINT_BYTES, read_points, write_points};
+pub use raw::{POINT_BYTES, read_points, read_values, write_points, write_values};
 pub use series::{SeriesWriter, write_series};
 pub use trajectory::{MotionSource, TrajectoryReader, write_trajectory};
 

@@ -1,4 +1,4 @@
-//! Points as raw bytes: `x y z` of each point, little-endian IEEE 754 doubles.
+//! Points and values as raw bytes: little-endian IEEE 754 doubles, `x y z` of each point.
 
 use std::io::{self, Read, Write};
 
@@ -24,6 +24,35 @@ pub fn write_points(out: &mut (impl Write + ?Sized), points: &Points) -> io::Res
             bytes.extend(points.get(index).to_array().into_iter().flat_map(f64::to_le_bytes));
         }
         out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Writes all `values` as little-endian doubles.
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_values(out: &mut (impl Write + ?Sized), values: &[f64]) -> io::Result<()> {
+    for chunk in values.chunks(CHUNK) {
+        let bytes: Vec<u8> = chunk.iter().flat_map(|value| value.to_le_bytes()).collect();
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Overwrites `values` with the next of `input`.
+///
+/// # Errors
+/// If `input` fails or ends early; `values` then hold what could be read.
+pub fn read_values(input: &mut (impl Read + ?Sized), values: &mut [f64]) -> io::Result<()> {
+    let mut bytes = vec![0; CHUNK.min(values.len()) * 8];
+    for chunk in values.chunks_mut(CHUNK) {
+        let bytes = &mut bytes[..chunk.len() * 8];
+        input.read_exact(bytes)?;
+        let (numbers, _) = bytes.as_chunks::<8>();
+        for (value, number) in chunk.iter_mut().zip(numbers) {
+            *value = f64::from_le_bytes(*number);
+        }
     }
     Ok(())
 }

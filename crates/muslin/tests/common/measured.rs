@@ -1,6 +1,6 @@
 //! Measured fabrics of tests: that which has the stiffnesses of given springs inside of a grid.
 
-use super::{CURVE, CURVE_POINTS, ClothNumbers};
+use super::{CURVE, CURVE_POINTS, ClothNumbers, LINEAR};
 
 /// Constants of a fabric of kind `"measured"`.
 struct Constants {
@@ -48,12 +48,34 @@ impl ClothNumbers {
                 None => format!("modulus = {:?}", moduli[yarns]),
             },
         };
+        // c = τ k of the springs inside of the grid.
+        let times = [0, 1, 2].map(|family| match self.dampings[family] {
+            0.0 => String::new(),
+            damping => format!(", damping_time = {:?}", damping / self.stiffnesses[family]),
+        });
+        let friction = |text: String| if self.has_friction { text } else { String::new() };
+        let along_yarns =
+            friction(if self.laws[0] == LINEAR { ", rt = 0.8".to_owned() } else { String::new() });
+        let in_shear = friction(format!(", 2hg = {:?}, 2hg5 = {:?}", 0.02 * shear, 0.04 * shear));
+        let [warp, weft] = [warp, weft].map(|rigidity| {
+            // What holds is as rigid as the fabric; in gf cm/cm no moment is too large.
+            let hysteresis = 20.0 * rigidity / 9.80665e-3;
+            format!(
+                "{{ rigidity = {rigidity:?}{} }}",
+                friction(format!(", 2hb_gf_cm_per_cm = {hysteresis:?}"))
+            )
+        });
         format!(
             "kind = \"measured\"\nareal_density = {areal_density:?}\ndrag = {drag:?}\n\
-             warp = {{ {} }}\nweft = {{ {} }}\nshear = {{ modulus = {shear:?} }}\n\
-             bend = {{ warp = {warp:?}, weft = {weft:?}, bias = {bias:?} }}\n",
+             warp = {{ {}{along_yarns}{} }}\nweft = {{ {}{along_yarns}{} }}\n\
+             shear = {{ modulus = {shear:?}{in_shear}{} }}\n\
+             bend = {{ warp = {warp}, weft = {weft}, bias = {bias:?}{} }}\n",
             tension(0),
-            tension(1)
+            times[0],
+            tension(1),
+            times[0],
+            times[1],
+            times[2],
         )
     }
 

@@ -96,6 +96,10 @@ pub(crate) struct ClothNumbers {
     pub(crate) laws: [&'static str; 3],
     /// The limit, as in a scene file, if there is one.
     pub(crate) limit: Option<&'static str>,
+    /// Damping [kg/s] along the springs of each family; of a measured fabric, the times by which it lags behind.
+    pub(crate) dampings: [f64; 3],
+    /// Whether a measured fabric has internal friction of all kinds, along yarns if they are linear.
+    pub(crate) has_friction: bool,
     /// Whether the fabric is measured: one with these numbers inside of the grid. It has no limit.
     pub(crate) is_measured: bool,
 }
@@ -181,6 +185,8 @@ impl Default for ClothNumbers {
             stiffnesses: [60.0, 20.0, 2.0],
             laws: [LINEAR; 3],
             limit: None,
+            dampings: [0.0; 3],
+            has_friction: false,
             is_measured: false,
         }
     }
@@ -295,12 +301,19 @@ impl ClothNumbers {
     fn springs_text(&self, index: usize) -> String {
         let Self { mass, drag, .. } = self;
         let direction = if self.rest_length_direction { "rest-length" } else { "current-length" };
-        let springs = [0, 1, 2].map(|family| match (self.stiffnesses[family], self.laws[family]) {
-            (stiffness, CURVE) if 0.0 < stiffness => {
-                format!("{} = {{ {CURVE}, curve = \"{}\" }}", FAMILIES[family], curve_name(index, family))
-            }
-            (stiffness, CURVE) => format!("{} = {{ stiffness = {stiffness:?}, {LINEAR} }}", FAMILIES[family]),
-            (stiffness, law) => format!("{} = {{ stiffness = {stiffness:?}, {law} }}", FAMILIES[family]),
+        let springs = [0, 1, 2].map(|family| {
+            let law = match (self.stiffnesses[family], self.laws[family]) {
+                (stiffness, CURVE) if 0.0 < stiffness => {
+                    format!("{CURVE}, curve = \"{}\"", curve_name(index, family))
+                }
+                (stiffness, CURVE) => format!("stiffness = {stiffness:?}, {LINEAR}"),
+                (stiffness, law) => format!("stiffness = {stiffness:?}, {law}"),
+            };
+            let damping = match self.dampings[family] {
+                0.0 => String::new(),
+                damping => format!(", damping = {damping:?}"),
+            };
+            format!("{} = {{ {law}{damping} }}", FAMILIES[family])
         });
         let limit = self.limit.map(|limit| format!("limit = {limit}\n")).unwrap_or_default();
         format!(

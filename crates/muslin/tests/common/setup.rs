@@ -35,7 +35,13 @@ pub(crate) fn chain(links: usize, length: f64, mass: f64, stiffness: f64) -> Sce
 pub(crate) fn forces(model: &Model, positions: &Points) -> Points {
     let mut forces = Points::zeros(positions.len());
     let velocities = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
+    let at = Configuration {
+        time: 0.0,
+        particles: model.particles(),
+        positions,
+        velocities: &velocities,
+        memory: &[],
+    };
     let mut rest = forces.as_mut();
     for block in model.blocks() {
         let (mut own, others) = rest.split_at(block.len());
@@ -48,7 +54,13 @@ pub(crate) fn forces(model: &Model, positions: &Points) -> Points {
 /// Energy [J] of all springs at `positions` [m].
 pub(crate) fn elastic_energy(model: &Model, positions: &Points) -> f64 {
     let velocities = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: &velocities };
+    let at = Configuration {
+        time: 0.0,
+        particles: model.particles(),
+        positions,
+        velocities: &velocities,
+        memory: &[],
+    };
     let mut energies = PotentialEnergies::default();
     model.forces().iter().for_each(|force| force.add_energies(at, &mut energies));
     energies.elastic.iter().sum()

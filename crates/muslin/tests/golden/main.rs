@@ -94,6 +94,38 @@ fn free_fall() -> SceneNumbers {
     }
 }
 
+/// A small sheet of measured cloth with all kinds of internal friction and damping, let go from the horizontal.
+fn lossy() -> SceneNumbers {
+    let cloth = ClothNumbers {
+        columns: 13,
+        rows: 11,
+        width: 0.24,
+        height: 0.22,
+        pins: vec![(0, 0), (12, 0)],
+        mass: 8e-5,
+        drag: 0.0,
+        stiffnesses: [60.0, 3.0, 1.0],
+        dampings: [2e-3, 3e-4, 1e-4],
+        has_friction: true,
+        is_measured: true,
+        ..ClothNumbers::default()
+    };
+    SceneNumbers {
+        frame_intervals: 30,
+        frame_rate: 60.0,
+        step_rule: StepNumbers::Adaptive,
+        cloths: vec![cloth],
+        ..SceneNumbers::default()
+    }
+}
+
+/// A thread with dashpots.
+fn damped() -> SceneNumbers {
+    let mut numbers = pendulum();
+    numbers.cloths[0].dampings = [1e-3, 0.0, 1e-4];
+    numbers
+}
+
 /// A thread, with forces divided by the rest length.
 fn pendulum() -> SceneNumbers {
     SceneNumbers {
@@ -216,6 +248,12 @@ fn pendulum_has_the_recorded_bits() {
 }
 
 #[test]
+fn friction_and_damping_have_the_recorded_bits() {
+    assert_golden("inline-lossy", hash(&lossy().scene(), Workers::single()));
+    assert_golden("inline-damped", hash(&damped().scene(), Workers::single()));
+}
+
+#[test]
 fn laws_in_closed_form_have_the_recorded_bits() {
     let laws = [
         ("inline-tangent", "law = \"tangent\", strain_scale = 0.2"),
@@ -287,6 +325,15 @@ fn bits_of_measured_cloth_do_not_depend_on_threads() {
     assert_bits_on_threads("inline-large-measured", &with_rule(StepNumbers::Adaptive, numbers).scene());
 }
 
+/// Elements across the border of two blocks are evaluated for both, and their memory is brought up to date by one thread.
+#[test]
+fn bits_of_friction_do_not_depend_on_threads() {
+    let mut numbers = large(Vec::new());
+    let cloth = &mut numbers.cloths[0];
+    (cloth.is_measured, cloth.has_friction, cloth.dampings) = (true, true, [1e-3, 1e-4, 1e-5]);
+    assert_bits_on_threads("inline-large-lossy", &with_rule(StepNumbers::Adaptive, numbers).scene());
+}
+
 fn assert_bits_on_threads(name: &str, scene: &Scene) {
     assert!(3 <= simulation(scene, Workers::single()).model().blocks().len(), "blocks to share");
     let mut recorders = [1, 2, 3].map(|threads| {
@@ -316,7 +363,7 @@ fn bits_do_not_depend_on_observers() {
 /// Stopped at every tenth frame, state and record given to a new simulation each time.
 #[test]
 fn bits_do_not_depend_on_resuming() {
-    let constant = [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF)];
+    let constant = [flag(), flutter(), free_fall(), shaken(), limited(CUT_OFF), damped(), lossy()];
     for numbers in constant.into_iter().chain(adaptive().map(|(_, numbers)| numbers)) {
         let scene = numbers.scene();
         let mut whole = Recorder::default();

@@ -19,7 +19,7 @@ const DENSITY: f64 = 1.2;
 
 /// Forces [N] of the air alone on all particles.
 fn air_forces(model: &Model, time: f64, positions: &Points, velocities: &Points) -> Points {
-    let at = Configuration { time, particles: model.particles(), positions, velocities };
+    let at = Configuration { time, particles: model.particles(), positions, velocities, memory: &[] };
     let mut forces = Points::zeros(positions.len());
     let mut rest = forces.as_mut();
     for block in model.blocks() {
@@ -298,6 +298,7 @@ fn damping_bounds(model: &Model, state: &State) -> Vec<f64> {
         particles: model.particles(),
         positions: &state.positions,
         velocities: &state.velocities,
+        memory: &[],
     };
     let mut bounds = vec![0.0; state.positions.len()];
     for block in model.blocks() {

@@ -113,7 +113,13 @@ fn squared_frequencies(cells: usize) -> [f64; 2] {
 /// K u [N] of all particles.
 fn tangent_products(model: &Model, positions: &Points, displacements: &Points) -> Points {
     let mut products = Points::zeros(positions.len());
-    let at = Configuration { time: 0.0, particles: model.particles(), positions, velocities: positions };
+    let at = Configuration {
+        time: 0.0,
+        particles: model.particles(),
+        positions,
+        velocities: positions,
+        memory: &[],
+    };
     for force in model.forces() {
         // So small a model is one block.
         force.add_tangent_products(at, displacements, &model.blocks()[0], &mut products.as_mut());

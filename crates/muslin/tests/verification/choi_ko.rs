@@ -51,7 +51,8 @@ fn energy(model: &Model, turn: f64) -> f64 {
         })
         .collect();
     let particles = model.particles();
-    let at = Configuration { time: 0.0, particles, positions: &positions, velocities: &positions };
+    let at =
+        Configuration { time: 0.0, particles, positions: &positions, velocities: &positions, memory: &[] };
     let mut energies = PotentialEnergies::default();
     model.forces().iter().for_each(|force| force.add_energies(at, &mut energies));
     energies.elastic[Family::Bend as usize]

@@ -119,7 +119,7 @@ fn small(error: f64, tolerance: f64) -> String {
 }
 
 /// Every problem, in the order of the book.
-const PROBLEMS: [&LazyLock<Problem>; 17] = [
+const PROBLEMS: [&LazyLock<Problem>; 19] = [
     &crate::falling::PROBLEM,
     &crate::oscillator::PROBLEM,
     &crate::hanging_chain::PROBLEM,
@@ -133,6 +133,8 @@ const PROBLEMS: [&LazyLock<Problem>; 17] = [
     &crate::measured::PROBLEM,
     &crate::cantilever::PROBLEM,
     &crate::choi_ko::PROBLEM,
+    &crate::friction::PROBLEM,
+    &crate::damping::PROBLEM,
     &crate::conservation::PROBLEM,
     &crate::energy::PROBLEM,
     &crate::order::PROBLEM,

@@ -19,6 +19,7 @@ fn total_force(model: &Model, time: f64, state: &State) -> DVec3 {
         particles: model.particles(),
         positions: &state.positions,
         velocities: &state.velocities,
+        memory: &[],
     };
     let mut forces = Points::zeros(state.positions.len());
     let mut rest = forces.as_mut();

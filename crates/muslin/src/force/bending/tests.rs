@@ -30,7 +30,7 @@ fn crumpled(count: usize) -> Points {
 }
 
 fn configuration<'a>(particles: &'a Particles, positions: &'a Points) -> Configuration<'a> {
-    Configuration { time: 0.0, particles, positions, velocities: positions }
+    Configuration { time: 0.0, particles, positions, velocities: positions, memory: &[] }
 }
 
 /// The same rigidity, evaluated with `instructions`.

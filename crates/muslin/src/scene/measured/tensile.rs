@@ -41,6 +41,51 @@ impl MembraneTension {
         }
     }
 
+    /// Tension per width [N/m] at the `strain` [1]; of a table, along straight lines from point to point.
+    #[must_use]
+    pub fn tension(&self, strain: f64) -> f64 {
+        match self {
+            Self::Linear { modulus } => modulus * strain,
+            Self::Tangent { modulus, .. } if strain <= 0.0 => modulus * strain,
+            Self::Tangent { modulus, strain_scale } => {
+                modulus * strain_scale * libm::tan(strain / strain_scale)
+            }
+            Self::Curve(curve) => {
+                let [[start, tension], _] = chord(curve, strain);
+                tension + self.slope(strain) * (strain - start)
+            }
+        }
+    }
+
+    /// Slope dT/de [N/m] at the `strain` [1]; of a table, that of a straight line from point to point.
+    #[must_use]
+    pub fn slope(&self, strain: f64) -> f64 {
+        match self {
+            Self::Linear { modulus } => *modulus,
+            Self::Tangent { modulus, .. } if strain <= 0.0 => *modulus,
+            Self::Tangent { modulus, strain_scale } => {
+                let tangent = libm::tan(strain / strain_scale);
+                modulus * (1.0 + tangent * tangent)
+            }
+            Self::Curve(curve) => {
+                let [[start, tension], [end, end_tension]] = chord(curve, strain);
+                (end_tension - tension) / (end - start)
+            }
+        }
+    }
+
+    /// The same curve with `factor` times the tension at every strain.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Linear { modulus } => Self::Linear { modulus: factor * modulus },
+            Self::Tangent { modulus, strain_scale } => {
+                Self::Tangent { modulus: factor * modulus, strain_scale: *strain_scale }
+            }
+            Self::Curve(curve) => Self::Curve(curve.reduced(0.0, factor)),
+        }
+    }
+
     /// The strain [1] that no tension reaches, if there is one.
     #[must_use]
     pub fn asymptote(&self) -> Option<f64> {
@@ -49,6 +94,13 @@ impl MembraneTension {
             Self::Linear { .. } | Self::Curve(_) => None,
         }
     }
+}
+
+/// The two neighbouring points of `curve` between which `strain` lies, or the two at that end beyond which it lies.
+fn chord(curve: &TensionCurve, strain: f64) -> [[f64; 2]; 2] {
+    let points = curve.points();
+    let next = points.partition_point(|point| point[0] <= strain).clamp(1, points.len() - 1);
+    [points[next - 1], points[next]]
 }
 
 /// What the tensile test of KES gives: strain EMT at the greatest tension, and linearity LT.

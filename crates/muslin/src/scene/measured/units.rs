@@ -12,6 +12,9 @@ pub const GRAM_FORCE_CM_PER_CM2: f64 = 0.980_665;
 /// N m per gf cm²/cm, of a rigidity per width.
 pub const GRAM_FORCE_CM2_PER_CM: f64 = 9.806_65e-5;
 
+/// N per gf cm/cm, of a moment per width.
+pub(crate) const GRAM_FORCE_CM_PER_CM: f64 = 9.806_65e-3;
+
 /// kg/m² per oz/yd²: 28.349523125 g by 0.9144² m², both by definition.
 pub const OUNCE_PER_SQUARE_YARD: f64 = 0.028_349_523_125 / (0.9144 * 0.9144);
 
@@ -26,6 +29,7 @@ mod tests {
         close(GRAM_FORCE_PER_CM, gram_force / 0.01);
         close(GRAM_FORCE_CM_PER_CM2, gram_force * 0.01 / 1e-4);
         close(GRAM_FORCE_CM2_PER_CM, gram_force * 1e-4 / 0.01);
+        close(GRAM_FORCE_CM_PER_CM, gram_force * 0.01 / 0.01);
         assert!((OUNCE_PER_SQUARE_YARD - 0.033_905_75).abs() < 5e-9);
     }
 }

@@ -129,6 +129,7 @@ fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, S
     let stiffness = table.take("stiffness");
     let strain_scale = table.take("strain_scale");
     let curve = table.take("curve");
+    let damping = table.take("damping");
     table.finish()?;
 
     let law = law.required("", "write `law = \"linear\"`")?;
@@ -144,6 +145,10 @@ fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, S
     if kind != LawKind::Tangent {
         reject_constant(strain_scale.clone(), &law, "tangent")?;
     }
+    let damping = match damping.optional() {
+        None => 0.0,
+        Some(damping) => damping.number("kg/s", NumberRule::NotNegative)?,
+    };
     if kind == LawKind::Curve {
         if let Some(stiffness) = stiffness.optional() {
             let message = format!(
@@ -158,6 +163,7 @@ fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, S
         return Ok(SpringSettings {
             stiffness: 0.0,
             law: SpringLawSettings::Curve(curve::read(&file, files)?),
+            damping,
         });
     }
     reject_constant(curve, &law, "curve")?;
@@ -168,7 +174,7 @@ fn read_springs(entry: Entry, files: &mut DataFiles) -> Result<SpringSettings, S
         LawKind::ArctangentForce => SpringLawSettings::ArctangentForce,
         LawKind::Linear | LawKind::Curve => SpringLawSettings::Linear,
     };
-    Ok(SpringSettings { stiffness: stiffness.number("N/m", NumberRule::NotNegative)?, law })
+    Ok(SpringSettings { stiffness: stiffness.number("N/m", NumberRule::NotNegative)?, law, damping })
 }
 
 /// Rejects a constant of the law `owner` under another `law`.

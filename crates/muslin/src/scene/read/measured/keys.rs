@@ -1,7 +1,8 @@
 //! Keys of what instruments measure, with their units.
 
 use crate::scene::measured::units::{
-    GRAM_FORCE_CM_PER_CM2, GRAM_FORCE_CM2_PER_CM, GRAM_FORCE_PER_CM, OUNCE_PER_SQUARE_YARD,
+    GRAM_FORCE_CM_PER_CM, GRAM_FORCE_CM_PER_CM2, GRAM_FORCE_CM2_PER_CM, GRAM_FORCE_PER_CM,
+    OUNCE_PER_SQUARE_YARD,
 };
 use crate::scene::read::quantity::{Plausible, Spelling};
 
@@ -65,6 +66,21 @@ pub(super) static KES_WORK: [Spelling; 2] =
 pub(super) static KES_FORCE: [Spelling; 2] =
     [si("force", "N/m"), spelling("force_gf_per_cm", "gf/cm", |value| value * GRAM_FORCE_PER_CM)];
 
+pub(super) static KES_RESILIENCE: [Spelling; 2] = [
+    within(
+        si("rt", ""),
+        |value| value <= 1.0,
+        "be at most 1, where all of the work is given back",
+        "if it is in per cent, write `rt_percent = ...`",
+    ),
+    within(
+        spelling("rt_percent", "%", |value| value / 100.0),
+        |value| (1.0..=100.0).contains(&value),
+        "be from 1 to 100 %",
+        "no fabric gives back more than all of the work; if it is a fraction of it, write `rt = ...`",
+    ),
+];
+
 macro_rules! fast_extension {
     ($fraction:literal, $percent:literal) => {
         [
@@ -99,6 +115,26 @@ pub(super) static KES_SHEAR: [Spelling; 1] =
 
 pub(super) static KES_RIGIDITY: [Spelling; 1] =
     [spelling("b_gf_cm2_per_cm", "gf cm^2/cm", |value| value * GRAM_FORCE_CM2_PER_CM)];
+
+pub(super) static KES_SHEAR_HYSTERESIS: [Spelling; 2] =
+    [si("2hg", "N/m"), spelling("2hg_gf_per_cm", "gf/cm", |value| value * GRAM_FORCE_PER_CM)];
+
+pub(super) static KES_SHEAR_HYSTERESIS_5: [Spelling; 2] =
+    [si("2hg5", "N/m"), spelling("2hg5_gf_per_cm", "gf/cm", |value| value * GRAM_FORCE_PER_CM)];
+
+pub(super) static RIGIDITY: [Spelling; 1] = [si("rigidity", "N m")];
+
+pub(super) static KES_BENDING_HYSTERESIS: [Spelling; 2] = [
+    within(
+        si("2hb", "N"),
+        |value| value <= 1.0,
+        "be at most 1 N, a moment per width",
+        "if it is in gf cm/cm, write `2hb_gf_cm_per_cm = ...`",
+    ),
+    spelling("2hb_gf_cm_per_cm", "gf cm/cm", |value| value * GRAM_FORCE_CM_PER_CM),
+];
+
+pub(super) static DAMPING_TIME: [Spelling; 1] = [si("damping_time", "s")];
 
 pub(super) static BENDING_LENGTH: [Spelling; 2] = [
     within(

@@ -1,8 +1,8 @@
 //! `warp` and `weft` of a measured fabric: tension per width against strain.
 
 use super::keys::{
-    EXTENSION_5, EXTENSION_20, EXTENSION_100, KES_EXTENSION, KES_FORCE, KES_LINEARITY, KES_WORK, MODULUS,
-    STRAIN_SCALE,
+    DAMPING_TIME, EXTENSION_5, EXTENSION_20, EXTENSION_100, KES_EXTENSION, KES_FORCE, KES_LINEARITY,
+    KES_RESILIENCE, KES_WORK, MODULUS, STRAIN_SCALE,
 };
 use super::{check_ways, rounded, shown};
 use crate::scene::data::DataFiles;
@@ -11,14 +11,23 @@ use crate::scene::measured::units::GRAM_FORCE_PER_CM;
 use crate::scene::read::curve;
 use crate::scene::read::quantity::{Given, Quantity};
 use crate::scene::read::table::Entry;
-use crate::scene::read::value::NumberRule;
-use crate::scene::{KesTensile, KesTensileError, MembraneTension, SceneError, TensionCurve};
+use crate::scene::read::value::{NumberRule, Value};
+use crate::scene::{KesTensile, KesTensileError, MembraneTension, SceneError, TensionCurve, TensionFriction};
 
 /// Ways to the tension, for who gives none.
 const HELP: &str = "write `{ modulus = ... }` [N/m], if it stiffens with a `strain_scale`; or `emt`, `lt` and `force` of KES; \
                     or `e5`, `e20` and `e100` of FAST; or `curve = \"FILE.csv\"`";
 
-pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<MembraneTension, SceneError> {
+/// What a table of tension along some yarns holds.
+pub(super) struct Yarns {
+    /// As the fabric is loaded.
+    pub(super) tension: MembraneTension,
+    pub(super) friction: Option<TensionFriction>,
+    /// Retardation time [s].
+    pub(super) damping_time: f64,
+}
+
+pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<Yarns, SceneError> {
     let mut table = entry.required("", HELP)?.table(HELP)?;
     let mut take = |name, spellings| Quantity::take(&mut table, name, NumberRule::NotNegative, spellings);
     // FAST shows no strain below its resolution; what to do then is said below.
@@ -32,28 +41,82 @@ pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<MembraneTensio
         work: take("WT", &KES_WORK),
         force: take("the greatest tension", &KES_FORCE),
     };
+    let resilience = take("RT", &KES_RESILIENCE);
     let curve = table.take("curve");
+    let damping_time = Quantity::take(&mut table, "the damping time", NumberRule::NotNegative, &DAMPING_TIME);
     table.finish()?;
 
-    let file = curve.optional();
+    let (tension, greatest) = read_tension(modulus, strain_scale, fast, kes, curve.optional(), files)?;
+    let friction = match resilience.optional()? {
+        Some(resilience) if resilience.si < 1.0 => Some(read_friction(&resilience, &tension, greatest)?),
+        _ => None,
+    };
+    let damping_time = damping_time.optional()?.map_or(0.0, |time| time.si);
+    Ok(Yarns { tension, friction, damping_time })
+}
+
+/// The friction of a fabric that gives back the share `resilience` of the work up to the strain `greatest`.
+fn read_friction(
+    resilience: &Given,
+    tension: &MembraneTension,
+    greatest: Option<f64>,
+) -> Result<TensionFriction, SceneError> {
+    let value = &resilience.value;
+    // A loop along a straight line has the same shape up to any strain.
+    let greatest = greatest.or(matches!(tension, MembraneTension::Linear { .. }).then_some(0.01));
+    let Some(greatest) = greatest else {
+        let message = format!("`{}` is given, but not up to which tension", value.path);
+        let help = "a fabric that stiffens gives back a share that depends on it: write `emt = ...` and `force = ...` in place \
+                    of `modulus`";
+        return Err(value.error(SceneErrorKind::Inconsistent { message, help: help.to_owned() }));
+    };
+    TensionFriction::from_kes(tension, greatest, resilience.si).ok_or_else(|| {
+        value.error(SceneErrorKind::Inconsistent {
+            message: format!(
+                "`{}` is {}, but friction in proportion to the tension gives back more",
+                value.path,
+                value.as_written()
+            ),
+            help: "see that it is the share that is given back, and not the share that is lost".to_owned(),
+        })
+    })
+}
+
+/// The tension, and the strain [1] up to which it was measured, if that is known.
+fn read_tension(
+    modulus: Quantity,
+    strain_scale: Quantity,
+    fast: [Quantity; 3],
+    kes: KesEntries,
+    file: Option<Value>,
+    files: &mut DataFiles,
+) -> Result<(MembraneTension, Option<f64>), SceneError> {
+    let of_table = |tension: MembraneTension| {
+        let last = match &tension {
+            MembraneTension::Curve(curve) => curve.points().last().map(|point| point[0]),
+            _ => None,
+        };
+        (tension, last)
+    };
     let of_fast = fast.iter().find_map(Quantity::value);
     check_ways(&[modulus.value(), kes.value(), of_fast, file.as_ref()], "the tension")?;
     if let Some(file) = file {
         reject_strain_scale(strain_scale, "a table of tension")?;
-        return Ok(MembraneTension::Curve(curve::read_per_width(&file, files)?));
+        return Ok(of_table(MembraneTension::Curve(curve::read_per_width(&file, files)?)));
     }
     if of_fast.is_some() {
         reject_strain_scale(strain_scale, "a curve through the strains of FAST")?;
-        return read_fast(fast);
+        return Ok(of_table(read_fast(fast)?));
     }
     if kes.value().is_some() {
-        return kes.read(strain_scale);
+        return kes.read(strain_scale).map(|(tension, extension)| (tension, Some(extension)));
     }
     let modulus = modulus.required_with(HELP)?.si;
-    Ok(match strain_scale.optional()? {
+    let tension = match strain_scale.optional()? {
         None => MembraneTension::Linear { modulus },
         Some(strain_scale) => MembraneTension::Tangent { modulus, strain_scale: strain_scale.si },
-    })
+    };
+    Ok((tension, None))
 }
 
 /// Rejects a strain scale beside `owner`, which has none.
@@ -72,18 +135,19 @@ struct KesEntries<'t> {
 }
 
 impl KesEntries<'_> {
-    fn value(&self) -> Option<&super::Value<'_>> {
+    fn value(&self) -> Option<&Value<'_>> {
         [&self.extension, &self.linearity, &self.work, &self.force].into_iter().find_map(Quantity::value)
     }
 
-    /// The tangent law with these values: with the linearity or the work of the test, or with a strain scale.
-    fn read(self, strain_scale: Quantity) -> Result<MembraneTension, SceneError> {
+    /// The tangent law with these values: with the linearity or the work of the test, or with a strain scale; and the strain
+    /// EMT [1].
+    fn read(self, strain_scale: Quantity) -> Result<(MembraneTension, f64), SceneError> {
         let Self { extension, linearity, work, force } = self;
         check_ways(&[linearity.value(), work.value(), strain_scale.value()], "how the fabric stiffens")?;
         let extension = extension.required()?;
         let force = force.required()?.si;
         if let Some(strain_scale) = strain_scale.optional()? {
-            return through_point(&extension, force, strain_scale.si);
+            return Ok((through_point(&extension, force, strain_scale.si)?, extension.si));
         }
         let (linearity, given) = match work.optional()? {
             Some(work) => (KesTensile::linearity_of_work(work.si, extension.si, force), work),
@@ -95,7 +159,9 @@ impl KesEntries<'_> {
             }
         };
         let test = KesTensile { extension: extension.si, linearity, force };
-        test.tension().map_err(|error| given.value.error(unfitted(&given, linearity, error)))
+        let tension =
+            test.tension().map_err(|error| given.value.error(unfitted(&given, linearity, error)))?;
+        Ok((tension, extension.si))
     }
 }
 

@@ -1,0 +1,233 @@
+//! Elements of a grid that feel one coordinate each: what internal friction and damping act on.
+
+mod chunk;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+pub(super) use chunk::{CHUNK, Chunk};
+
+use super::StiffnessTensorsMut;
+use crate::model::Grid;
+
+/// Nodes of an element at most.
+pub(super) const NODES: usize = 5;
+
+/// Equal elements all over a grid, each of which has one coordinate q of the positions of a few particles.
+///
+/// A force f along the coordinate acts on the particles by its gradients g, and its rate is that of the velocities v:
+///
+/// ```text
+/// F_k = −f g_k    g_k = ∂q/∂x_k    dq/dt = Σ g_k · v_k
+/// ```
+///
+/// No coordinate changes when the cloth is moved or turned as a whole. So whatever f is, the forces of an element have neither a sum
+/// nor a moment, and no work is done on a rigid motion.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct GridElements {
+    pub(super) grid: Grid,
+    pub(super) coordinate: Coordinate,
+    /// Whether elements along an edge of the grid stand for half a cell's width.
+    pub(super) has_half_edges: bool,
+}
+
+/// What an element feels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Coordinate {
+    /// The extension q = ℓ − L [m] between a particle and the one that is so many columns and rows further.
+    ///
+    /// Coincident ends feel nothing.
+    Extension {
+        columns: isize,
+        /// Not negative.
+        rows: usize,
+        rest_length: f64,
+    },
+    /// The sine of the shear angle of a cell [1], by its diagonals ℓ₁ and ℓ₂:
+    ///
+    /// ```text
+    /// q = (ℓ₁² − ℓ₂²) / (4 h_x h_y) = sin γ
+    /// ```
+    ///
+    /// Stretch along the yarns alone does not change it.
+    Shear,
+    /// The second difference q [m] of three particles in a line, x₋, x and x₊, along the cloth's normal n at x:
+    ///
+    /// ```text
+    /// q = n · (x₋ − 2x + x₊)    n = a × b / |a × b|    a = x₊ − x₋    b = y₊ − y₋
+    /// ```
+    ///
+    /// with the neighbours y across the line; at an edge x itself stands for the one that is missing. Its size is
+    /// 2 h sin ½θ where the line turns by θ, h² times the curvature if the angle is small. The sign is that of the side to which the
+    /// cloth bends. Where a and b are parallel, or one of them has no length, there is no normal and nothing is felt.
+    Bend(Line),
+}
+
+/// Direction of a line of particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Line {
+    /// Along the columns' numbers, the weft.
+    Weft,
+    /// Along the rows' numbers, the warp.
+    Warp,
+}
+
+/// Neighbouring elements of one row, whose nodes are at the same places relative to their owners.
+///
+/// An element is owned by its first node, in whose place it has its memory; one of a line by the particle in the middle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Segment {
+    /// Row and column of the first owner.
+    pub(super) row: usize,
+    pub(super) column: usize,
+    /// Number of elements.
+    pub(super) count: usize,
+    /// Nodes of the first element; those of the others follow.
+    nodes: [Node; NODES],
+    node_count: usize,
+    /// The share of a cell's width that each element stands for.
+    pub(super) share: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    particle: usize,
+    row: usize,
+}
+
+impl Segment {
+    fn nodes(&self) -> &[Node] {
+        &self.nodes[..self.node_count]
+    }
+
+    /// Where the memory of the elements is among `layers` of whole rows whose first particle is `first`.
+    pub(super) fn memory(&self, grid: &Grid, first: usize, layers: usize, layer: usize) -> Range<usize> {
+        let row = layers * (grid.particle(0, self.row) - first);
+        let start = row + layer * grid.columns + self.column;
+        start..start + self.count
+    }
+}
+
+impl GridElements {
+    /// Calls `visit` with the elements that have a node in `block`, in ascending order and [`CHUNK`] at a time at most.
+    ///
+    /// Elements across the border of two blocks are visited for both. So every particle gets what its elements add in the
+    /// same order, whatever the blocks.
+    pub(super) fn for_each_touching(&self, block: &Range<usize>, mut visit: impl FnMut(&Segment)) {
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        // Nodes are from one row before their owner to two after.
+        for row in rows.start.saturating_sub(2)..(rows.end + 1).min(self.grid.rows) {
+            self.for_each_in_row(row, |segment| {
+                if segment.nodes().iter().any(|node| rows.contains(&node.row)) {
+                    visit(segment);
+                }
+            });
+        }
+    }
+
+    /// Calls `visit` with the elements that particles of `block` own, in the same way: with each once over all blocks.
+    pub(super) fn for_each_owned(&self, block: &Range<usize>, mut visit: impl FnMut(&Segment)) {
+        for row in self.grid.block_rows(block).unwrap_or_default() {
+            self.for_each_in_row(row, &mut visit);
+        }
+    }
+
+    /// Calls `visit` with all elements.
+    pub(super) fn for_each(&self, mut visit: impl FnMut(&Segment)) {
+        for row in 0..self.grid.rows {
+            self.for_each_in_row(row, &mut visit);
+        }
+    }
+
+    /// Calls `visit` with the elements that the particles of `row` own.
+    fn for_each_in_row(&self, row: usize, mut visit: impl FnMut(&Segment)) {
+        let Grid { columns, rows, .. } = self.grid;
+        let inner_row = self.share(row, rows);
+        match self.coordinate {
+            Coordinate::Extension { columns: across, rows: along, .. } => {
+                let first = across.min(0).unsigned_abs();
+                let end = columns.saturating_sub(across.max(0).unsigned_abs());
+                if rows <= row + along {
+                    return;
+                }
+                let nodes = [(0, 0), (across, along as isize)];
+                if along == 0 {
+                    self.visit_columns(row, first..end, &nodes, inner_row, &mut visit);
+                } else if across == 0 && self.has_half_edges {
+                    self.visit_edges_and_inner(row, columns, |_, _| &nodes, &mut visit);
+                } else {
+                    self.visit_columns(row, first..end, &nodes, 1.0, &mut visit);
+                }
+            }
+            Coordinate::Shear => {
+                if row + 1 < rows {
+                    let nodes = [(0, 0), (1, 0), (1, 1), (0, 1)];
+                    self.visit_columns(row, 0..columns.saturating_sub(1), &nodes, 1.0, &mut visit);
+                }
+            }
+            Coordinate::Bend(Line::Weft) => {
+                let [before, after] = [-isize::from(0 < row), isize::from(row + 1 < rows)];
+                let nodes = [(0, 0), (-1, 0), (1, 0), (0, before), (0, after)];
+                let inner = 1..columns.saturating_sub(1);
+                self.visit_columns(row, inner, &nodes, inner_row, &mut visit);
+            }
+            Coordinate::Bend(Line::Warp) => {
+                if row == 0 || rows <= row + 1 {
+                    return;
+                }
+                let nodes = |left: bool, right: bool| {
+                    const NODES_OF: [[(isize, isize); NODES]; 4] = [
+                        [(0, 0), (0, -1), (0, 1), (0, 0), (0, 0)],
+                        [(0, 0), (0, -1), (0, 1), (0, 0), (1, 0)],
+                        [(0, 0), (0, -1), (0, 1), (-1, 0), (0, 0)],
+                        [(0, 0), (0, -1), (0, 1), (-1, 0), (1, 0)],
+                    ];
+                    &NODES_OF[2 * usize::from(left) + usize::from(right)][..]
+                };
+                self.visit_edges_and_inner(row, columns, nodes, &mut visit);
+            }
+        }
+    }
+
+    /// Visits the first column, those inside and the last; `nodes` depend on whether there are columns to the left and right.
+    fn visit_edges_and_inner<'a>(
+        &self,
+        row: usize,
+        columns: usize,
+        nodes: impl Fn(bool, bool) -> &'a [(isize, isize)],
+        visit: &mut impl FnMut(&Segment),
+    ) {
+        let last = columns - 1;
+        self.visit_columns(row, 0..1, nodes(false, 0 < last), self.share(0, columns), visit);
+        if 0 < last {
+            self.visit_columns(row, 1..last, nodes(true, true), 1.0, visit);
+            self.visit_columns(row, last..columns, nodes(true, false), self.share(last, columns), visit);
+        }
+    }
+
+    /// Visits the elements of owners in `columns` of `row`, whose nodes are at these places in columns and rows.
+    fn visit_columns(
+        &self,
+        row: usize,
+        columns: Range<usize>,
+        nodes: &[(isize, isize)],
+        share: f64,
+        visit: &mut impl FnMut(&Segment),
+    ) {
+        for column in columns.clone().step_by(CHUNK) {
+            let mut places = [Node::default(); NODES];
+            for (place, &(across, along)) in places.iter_mut().zip(nodes) {
+                let row = row.wrapping_add_signed(along);
+                *place = Node { particle: self.grid.particle(column.wrapping_add_signed(across), row), row };
+            }
+            let count = CHUNK.min(columns.end - column);
+            visit(&Segment { row, column, count, nodes: places, node_count: nodes.len(), share });
+        }
+    }
+
+    /// Share of a width that line `index` of `count` stands for.
+    fn share(&self, index: usize, count: usize) -> f64 {
+        if self.has_half_edges && (index == 0 || index + 1 == count) { 0.5 } else { 1.0 }
+    }
+}
