@@ -140,26 +140,6 @@ fn an_adaptive_run_goes_on_to_the_same_bits() {
     work.muslin("verify out").assert_success();
 }
 
-/// What friction remembers is in the checkpoint.
-#[test]
-fn a_run_with_friction_goes_on_to_the_same_bits() {
-    let changes = [
-        ("step = { constant = 5e-3 }", "step = \"adaptive\""),
-        ("fabric = \"plain\"", "fabric = \"held\""),
-        (
-            "[fabric.plain]",
-            "[fabric.held]\nkind = \"library\"\nname = \"typical-cotton-broadcloth\"\n\n[fabric.plain]",
-        ),
-    ];
-    let (work, outcome) = stopped_run_of(&changes, is_under_way, interrupt);
-    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-    let lost = &work.summary("out")["energy"]["last"]["friction_loss"];
-    assert!(lost.as_f64().is_some_and(|lost| 0.0 < lost), "{lost} J");
-    work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
-    work.muslin("run scene.toml --out whole").assert_success();
-    work.assert_same_run("out", "whole");
-}
-
 #[test]
 fn a_killed_run_goes_on_to_the_same_bits() {
     let (work, _) = stopped_run(is_under_way, kill);
