@@ -9,10 +9,13 @@ mod error;
 mod fabric;
 mod file_progress;
 mod files;
+mod folder;
 mod frame_store;
+mod lab;
 mod memory;
 mod new;
 mod output;
+mod plot;
 mod progress;
 mod report;
 mod reproduce;
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
         Command::Schema => print_text(muslin::scene::JSON_SCHEMA),
         Command::Fabric(FabricCommand::List) => fabric::list(),
         Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
+        Command::Lab(arguments) => lab::lab(arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

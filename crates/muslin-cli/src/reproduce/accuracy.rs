@@ -1,12 +1,11 @@
 //! The paper's second claim on cost: step against error, with a constant and with an adaptive step.
 
-use super::axis::Axis;
 use super::extent::Extent;
-use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, rounded};
 use super::trial::{FRAME_RATE, Outcome, Reading, Steps, Trial, reading, run};
 use crate::error::CliError;
+use crate::plot::{Axis, Plot, Series, Style};
 
 /// Tolerances of the adaptive step [m].
 const TOLERANCES: [f64; 3] = [1e-5, 1e-6, 1e-7];

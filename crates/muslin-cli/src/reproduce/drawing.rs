@@ -63,7 +63,7 @@ impl Drawing {
         }
         for label in &self.labels {
             let [x, y] = label.place;
-            let text = super::page::escaped(&label.text);
+            let text = crate::plot::escaped(&label.text);
             let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{text}</text>");
         }
         out

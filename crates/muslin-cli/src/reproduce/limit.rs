@@ -4,13 +4,12 @@ use std::f64::consts::PI;
 
 use muslin::force::TangentLaw;
 
-use super::axis::Axis;
 use super::extent::Extent;
-use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, per_cent, rounded};
 use super::trial::{FRAME_RATE, Outcome, READINGS, Reading, Steps, Trial, run};
 use crate::error::CliError;
+use crate::plot::{Axis, Plot, Series, Style};
 
 /// Extension at which Fig. 4 (a) is drawn to stop, relative to the rest length [1].
 const CUT_OFF: f64 = 0.1;

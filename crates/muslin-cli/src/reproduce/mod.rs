@@ -4,16 +4,13 @@
 //! pieces are written.
 
 mod accuracy;
-mod axis;
 mod book;
 mod drawing;
 mod extent;
-mod folder;
 mod hanging;
 mod limit;
 mod page;
 mod particles;
-mod plot;
 mod progress;
 mod refinement;
 mod report;
@@ -27,16 +24,29 @@ use std::time::Duration;
 
 use crate::args::ReproduceArguments;
 use crate::error::CliError;
+use crate::folder::{Folder, Owner};
 use crate::progress::duration_text;
 use crate::report::shell_word;
 use crate::run::interruption;
 use extent::Extent;
-use folder::{FIGURES, Folder};
 use progress::Progress;
-use report::{Content, Item, Report};
+use report::{Content, Item, REPRODUCTION, Report};
 
 /// The page.
 const PAGE: &str = "index.html";
+
+/// Every number, and the file that tells what the folder holds.
+const FIGURES: &str = "figures.json";
+
+/// What the folder is.
+const OWNER: Owner = Owner {
+    partial: ".reproduction",
+    file: FIGURES,
+    key: "reproduction",
+    value: REPRODUCTION,
+    name: "a reproduction",
+    elsewhere: "choose another folder",
+};
 
 /// The pieces of the book.
 const BOOK: &str = "paper-figures.md";
@@ -44,7 +54,7 @@ const BOOK: &str = "paper-figures.md";
 /// Recomputes the paper and writes the folder.
 pub(crate) fn reproduce(arguments: &ReproduceArguments) -> Result<(), CliError> {
     let interrupted = interruption()?;
-    let folder = Folder::create(&arguments.dir, arguments.force)?;
+    let folder = Folder::create(&arguments.dir, arguments.force, &OWNER)?;
     let extent = if arguments.quick { Extent::QUICK } else { Extent::FULL };
     let progress = Progress::new(&interrupted);
     let result = compute(&extent, &progress);

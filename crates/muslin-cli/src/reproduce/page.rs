@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 
 use super::report::{Cell, Content, Figure, Item, Report, Section, Table};
-
-/// Colours and lines of figures, for a light and for a dark ground.
-const FIGURE_STYLE: &str = include_str!("style.css");
+use crate::plot::{FIGURE_STYLE, escaped, svg_element};
 
 /// How the page is laid out.
 const PAGE_STYLE: &str = include_str!("page.css");
@@ -136,24 +134,7 @@ pub(crate) fn svg(figure: &Figure, stands_alone: bool) -> String {
         Content::Drawing(drawing) => (drawing.size, drawing.elements()),
         Content::Pictures(_) => return String::new(),
     };
-    let label = escaped(&figure.caption);
-    let (attributes, style) = if stands_alone {
-        let attributes =
-            format!(" xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"");
-        let ground = "<rect class=\"ground\" width=\"100%\" height=\"100%\"/>";
-        (attributes, format!("<style>\n{FIGURE_STYLE}</style>\n{ground}\n"))
-    } else {
-        (String::new(), String::new())
-    };
-    format!(
-        "<svg{attributes} class=\"figure\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{label}\">\n\
-         {style}{elements}</svg>\n"
-    )
-}
-
-/// `text` for HTML and SVG.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    svg_element(&figure.caption, [width, height], &elements, stands_alone)
 }
 
 /// `text` for HTML, with what stands in backticks as code.

@@ -1,12 +1,11 @@
 //! The paper's first claim on cost: time grows with the number of particles.
 
-use super::axis::Axis;
 use super::extent::Extent;
-use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, rounded};
 use super::trial::{FRAME_RATE, Steps, Trial, reading, run};
 use crate::error::CliError;
+use crate::plot::{Axis, Plot, Series, Style};
 use muslin::integrate::{Workers, largest_stable_step};
 use muslin::{Model, suggested_step};
 

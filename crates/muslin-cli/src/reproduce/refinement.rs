@@ -3,13 +3,12 @@
 use muslin::force::TangentLaw;
 
 use super::accuracy::SAFE_SHARE;
-use super::axis::Axis;
 use super::extent::Extent;
-use super::plot::{Plot, Series, Style};
 use super::progress::Progress;
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, grouped, per_cent};
 use super::trial::{Outcome, READINGS, Reading, Steps, Trial, run};
 use crate::error::CliError;
+use crate::plot::{Axis, Plot, Series, Style};
 
 /// A reading on one grid.
 struct Case {

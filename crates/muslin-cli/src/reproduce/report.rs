@@ -1,10 +1,9 @@
 //! What was found, section by section, in the form from which page, tables and book are written.
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::drawing::Drawing;
-use super::plot::Plot;
+use crate::plot::{Plot, csv_field, power_of_ten};
 
 /// Everything that one reproduction found.
 #[derive(Clone, Debug)]
@@ -230,15 +229,6 @@ impl Table {
     }
 }
 
-/// Text as a field of comma-separated values.
-pub(crate) fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
 /// A whole number in groups of three digits, with narrow spaces that do not break.
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -269,20 +259,6 @@ pub(crate) fn rounded(value: f64, digits: u8) -> String {
 pub(crate) fn per_cent(share: f64) -> String {
     format!("{}\u{a0}%", rounded(100.0 * share, 3))
 }
-
-/// 10 with `exponent` as superscript.
-pub(crate) fn power_of_ten(exponent: &str) -> String {
-    const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let digits = exponent.chars().filter_map(|character| match character {
-        '-' => Some('⁻'),
-        digit => digit.to_digit(10).map(|digit| SUPERSCRIPTS[digit as usize]),
-    });
-    format!("10{}", digits.collect::<String>())
-}
-
-/// A point of a plot as JSON: null where it is no finite number.
-#[derive(Serialize)]
-pub(crate) struct PlotPoint(pub(crate) Option<f64>, pub(crate) Option<f64>);
 
 #[cfg(test)]
 mod tests {

@@ -4,9 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use muslin::force::{LinearLaw, TangentLaw, TensionLaw};
 
-use super::axis::Axis;
-use super::plot::{Plot, Series, Style};
 use super::report::{Cell, Column, Content, Figure, Item, Section, Table, per_cent, rounded};
+use crate::plot::{Axis, Plot, Series, Style};
 
 /// Published data, with their origin.
 const DATA: &str = include_str!("tensile.csv");

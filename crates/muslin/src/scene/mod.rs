@@ -17,6 +17,7 @@ pub use edit::set_value;
 pub use error::{Position, SceneError, SceneErrorKind};
 pub use keyframes::{Keyframe, Keyframes, KeyframesError};
 pub use library::LibraryFabric;
+pub(crate) use measured::units;
 pub use measured::{
     BendingRigidity, KesTensile, KesTensileError, MeasuredFabric, MembraneTension,
     rigidity_from_bending_length, shear_modulus_from_bias_extension, shear_modulus_per_radian,

@@ -6,7 +6,7 @@
 mod bending;
 mod shear;
 mod tensile;
-pub(super) mod units;
+pub(crate) mod units;
 
 pub use bending::{BendingRigidity, rigidity_from_bending_length};
 pub use shear::{shear_modulus_from_bias_extension, shear_modulus_per_radian};

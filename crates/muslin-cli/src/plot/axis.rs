@@ -1,6 +1,6 @@
 //! Axes of plots: ranges, ticks and their labels.
 
-use super::report::power_of_ten;
+use super::text::power_of_ten;
 
 /// Ticks that a linear axis has about.
 const TICKS: f64 = 5.0;

@@ -1,4 +1,4 @@
-//! The folder that a reproduction writes.
+//! A folder that is written as a whole: that of a reproduction, or of a test.
 
 use std::fs::{self, File};
 use std::io;
@@ -6,57 +6,66 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::report::REPRODUCTION;
 use crate::error::{CliError, reason};
 use crate::output::lock;
 
-/// Name of the folder inside that holds files until all are whole.
-const PARTIAL: &str = ".reproduction";
-
-/// The file that tells that a folder holds a reproduction.
-pub(crate) const FIGURES: &str = "figures.json";
+/// What a folder is, and how that is told.
+#[derive(Debug)]
+pub(crate) struct Owner {
+    /// Name of the folder inside that holds files until all are whole.
+    pub(crate) partial: &'static str,
+    /// The JSON file whose `key` has the `value` that tells it.
+    pub(crate) file: &'static str,
+    pub(crate) key: &'static str,
+    pub(crate) value: &'static str,
+    /// In words: "a reproduction".
+    pub(crate) name: &'static str,
+    /// How to choose another folder: "choose another folder".
+    pub(crate) elsewhere: &'static str,
+}
 
 /// A folder that changes only when everything is computed and written.
 pub(crate) struct Folder {
     path: PathBuf,
+    owner: &'static Owner,
     /// Locked until this process ends, so that no other writes here.
     lock: Option<File>,
 }
 
 impl Folder {
-    /// The folder at `path`, made if need be. What is in it must be an earlier reproduction, and may then be replaced.
-    pub(crate) fn create(path: &Path, may_replace: bool) -> Result<Self, CliError> {
-        const ELSEWHERE: &str = "choose another folder";
+    /// The folder at `path`, made if need be. What is in it must be of the same `owner`, and is then replaced if that is wanted.
+    pub(crate) fn create(path: &Path, may_replace: bool, owner: &'static Owner) -> Result<Self, CliError> {
         let shown = path.display();
         if path.exists() && !path.is_dir() {
             let message = format_args!("{shown} is a file, but must be a folder or not exist");
             return Err(CliError::input(message, "choose another name"));
         }
-        let mut folder = Self { path: path.to_owned(), lock: None };
+        let mut folder = Self { path: path.to_owned(), owner, lock: None };
         let help = "wait until it ends or stop it, or choose another folder";
         folder.lock = lock(&folder.path, &folder.partial(), help)?;
-        match (folder.has_files(), folder.holds_reproduction(), may_replace) {
+        match (folder.has_files(), folder.is_of_owner(), may_replace) {
             (false, _, _) | (true, true, true) => {}
             (true, true, false) => {
                 return Err(CliError::input(
                     format_args!("{shown} exists already and is not empty"),
-                    "replace its files with `--force`, or choose another folder",
+                    format_args!("replace its files with `--force`, or {}", owner.elsewhere),
                 ));
             }
             (true, false, true) => {
                 return Err(CliError::input(
                     format_args!(
-                        "{shown} holds other files than those of a reproduction, which `--force` does not replace"
+                        "{shown} holds other files than those of {}, which `--force` does not replace",
+                        owner.name
                     ),
-                    ELSEWHERE,
+                    owner.elsewhere,
                 ));
             }
             (true, false, false) => {
                 let message = format_args!("{shown} exists already and is not empty");
-                return Err(CliError::input(message, ELSEWHERE));
+                return Err(CliError::input(message, owner.elsewhere));
             }
         }
-        // What another reproduction left when it was stopped is worth nothing.
+        // What another left when it was stopped is worth nothing.
         let make = || {
             let _ = fs::remove_dir_all(folder.partial());
             fs::create_dir_all(folder.partial())
@@ -73,19 +82,20 @@ impl Folder {
     }
 
     fn partial(&self) -> PathBuf {
-        self.path.join(PARTIAL)
+        self.path.join(self.owner.partial)
     }
 
-    /// Whether there is anything but the files of a reproduction in progress.
+    /// Whether there is anything but what is in progress.
     fn has_files(&self) -> bool {
         let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
-        entries.into_iter().any(|entry| entry.file_name() != PARTIAL)
+        entries.into_iter().any(|entry| entry.file_name() != self.owner.partial)
     }
 
-    fn holds_reproduction(&self) -> bool {
-        let bytes = fs::read(self.path.join(FIGURES)).unwrap_or_default();
-        let figures: Option<Value> = serde_json::from_slice(&bytes).ok();
-        figures.is_some_and(|figures| figures["reproduction"] == REPRODUCTION)
+    fn is_of_owner(&self) -> bool {
+        let Owner { file, key, value, .. } = self.owner;
+        let bytes = fs::read(self.path.join(file)).unwrap_or_default();
+        let found: Option<Value> = serde_json::from_slice(&bytes).ok();
+        found.is_some_and(|found| found[key] == *value)
     }
 
     /// Writes all `files` beside their names, and moves them there when all are whole.

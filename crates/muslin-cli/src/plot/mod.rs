@@ -3,13 +3,18 @@
 //! Colours, dashes and marks go together, so that a series is known without seeing colours. The SVG has no colours of its
 //! own but the style of the page, or of the file, gives them, for a light and for a dark ground.
 
+mod axis;
+mod svg;
+mod text;
+
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::axis::Axis;
-use super::page::escaped;
-use super::report::{PlotPoint, csv_field};
+pub(crate) use self::axis::Axis;
+pub(crate) use self::svg::{FIGURE_STYLE, escaped, svg_element};
+pub(crate) use self::text::{csv_field, power_of_ten};
 
 /// Width of a plot, in the units of its text's size.
 const WIDTH: f64 = 480.0;
@@ -227,6 +232,10 @@ impl Series {
         }
     }
 }
+
+/// A point of a plot as JSON: null where it is no finite number.
+#[derive(Serialize)]
+struct PlotPoint(Option<f64>, Option<f64>);
 
 #[cfg(test)]
 mod tests {
