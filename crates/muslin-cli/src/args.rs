@@ -127,7 +127,7 @@ pub(crate) struct LabArguments {
     pub(crate) instrument: InstrumentName,
     /// Fabric of the library, as `muslin fabric list` has it, or a TOML file with a measured fabric
     pub(crate) fabric: String,
-    /// Yarns along which the specimen is cut; the warp if left out
+    /// Yarns along which the specimen is cut; the warp if left out. Of no effect on `bias` and `picture-frame`
     #[arg(long, value_name = "YARNS")]
     pub(crate) along: Option<YarnName>,
     /// The same as `--along warp`
@@ -169,6 +169,10 @@ pub(crate) enum InstrumentName {
     Bend,
     /// ASTM D1388: bending length
     Cantilever,
+    /// FAST-3: EB5, G
+    Bias,
+    /// Hinged square frame: G
+    PictureFrame,
 }
 
 /// Name of a fabric's yarns.

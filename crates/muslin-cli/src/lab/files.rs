@@ -50,7 +50,7 @@ pub(super) fn files(test: &Test) -> io::Result<Vec<(String, Vec<u8>)>> {
 }
 
 fn title(test: &Test) -> String {
-    format!("{}, {} along the {}", test.instrument.title(), test.fabric.name, test.along.name())
+    format!("{}: {}", test.instrument.title(), test.specimen())
 }
 
 fn fact(reading: &Reading) -> (String, String) {
@@ -116,7 +116,7 @@ fn values(test: &Test) -> Value {
         "instrument": test.instrument.name(),
         "title": test.instrument.title(),
         "fabric": test.fabric.name,
-        "along": test.along.name(),
+        "along": test.instrument.has_yarns().then(|| test.along.name()),
         "cells": test.resolution.cells(),
         "particles": record.model.particles().len(),
         "states": record.frames.len(),

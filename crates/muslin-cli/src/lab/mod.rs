@@ -42,6 +42,16 @@ struct Test {
     measurement: Measurement,
 }
 
+impl Test {
+    /// The fabric and its yarns, in words.
+    fn specimen(&self) -> String {
+        match self.instrument.has_yarns() {
+            true => format!("{} along the {}", self.fabric.name, self.along.name()),
+            false => self.fabric.name.clone(),
+        }
+    }
+}
+
 /// Measures a fabric and writes the folder.
 pub(crate) fn lab(arguments: &LabArguments) -> Result<(), CliError> {
     let resolution = Resolution::new(arguments.cells)
@@ -68,11 +78,14 @@ fn instrument(name: InstrumentName) -> Instrument {
         InstrumentName::Shear => Instrument::Shear,
         InstrumentName::Bend => Instrument::Bend,
         InstrumentName::Cantilever => Instrument::Cantilever,
+        InstrumentName::Bias => Instrument::Bias,
+        InstrumentName::PictureFrame => Instrument::PictureFrame,
     }
 }
 
 fn default_folder(instrument: Instrument, fabric: &str, along: Along) -> PathBuf {
-    Path::new("out").join(format!("lab-{}-{fabric}-{}", instrument.name(), along.name()))
+    let name = format!("lab-{}-{fabric}", instrument.name());
+    Path::new("out").join(if instrument.has_yarns() { format!("{name}-{}", along.name()) } else { name })
 }
 
 /// What is wrong with the fabric is bad input; a specimen that does not come to rest is a failure.

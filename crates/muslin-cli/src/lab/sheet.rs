@@ -9,13 +9,12 @@ use crate::progress::rounded;
 
 /// The instrument's values, a line each, beside what the fabric was given.
 pub(super) fn sheet(test: &Test) -> String {
-    let Test { instrument, fabric, along, resolution, measurement } = test;
+    let Test { instrument, resolution, measurement, .. } = test;
     let record = &measurement.record;
     let mut out = format!(
-        "{} of {} along the {}: {} cells between clamps, {} particles, {} states at rest to {:.0e} of the largest force\n",
+        "{}: {}, {} cells between clamps, {} particles, {} states at rest to {:.0e} of the largest force\n",
         instrument.title(),
-        fabric.name,
-        along.name(),
+        test.specimen(),
         resolution.cells(),
         record.model.particles().len(),
         record.frames.len(),

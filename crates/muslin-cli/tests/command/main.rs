@@ -4,6 +4,7 @@ mod bad_output;
 mod bad_scene;
 mod data_files;
 mod interruptions;
+mod lab;
 mod other_commands;
 mod reproduction;
 mod runs;

@@ -103,8 +103,10 @@ impl Bench {
     fn moment(&mut self, curvature: f64) -> Result<f64, LabError> {
         let Self { specimen, cells, spacing } = self;
         let (cells, spacing) = (*cells, *spacing);
-        let arc = arc(curvature * spacing, cells, spacing);
-        specimen.move_to(|i, _, place| arc[i].with_z(place.z));
+        if !specimen.recall(curvature) {
+            let arc = arc(curvature * spacing, cells, spacing);
+            specimen.move_to(|i, _, place| arc[i].with_z(place.z));
+        }
         let clamp: Vec<usize> = [cells + 1, cells + 2].into_iter().flat_map(|i| specimen.line(i)).collect();
         let slides =
             [DVec3::X, DVec3::Y].map(|direction| Slide { particles: clamp.clone(), direction, load: 0.0 });

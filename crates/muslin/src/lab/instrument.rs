@@ -1,7 +1,9 @@
 //! All instruments by name, and what each measures in one form.
 
 use super::reading::{Column, Unit};
-use super::{Along, LabError, Reading, Record, Resolution, bend, cantilever, shear, tensile};
+use super::{
+    Along, LabError, Reading, Record, Resolution, bend, bias, cantilever, picture_frame, shear, tensile,
+};
 use crate::scene::MeasuredFabric;
 
 /// A virtual instrument.
@@ -15,6 +17,10 @@ pub enum Instrument {
     Bend,
     /// [`cantilever`]
     Cantilever,
+    /// [`bias`]
+    Bias,
+    /// [`picture_frame`]
+    PictureFrame,
 }
 
 /// What an instrument measured.
@@ -30,7 +36,8 @@ pub struct Measurement {
 
 impl Instrument {
     /// All instruments.
-    pub const ALL: [Self; 4] = [Self::Tensile, Self::Shear, Self::Bend, Self::Cantilever];
+    pub const ALL: [Self; 6] =
+        [Self::Tensile, Self::Shear, Self::Bend, Self::Cantilever, Self::Bias, Self::PictureFrame];
 
     /// Its name: "tensile".
     #[must_use]
@@ -40,6 +47,8 @@ impl Instrument {
             Self::Shear => "shear",
             Self::Bend => "bend",
             Self::Cantilever => "cantilever",
+            Self::Bias => "bias",
+            Self::PictureFrame => "picture-frame",
         }
     }
 
@@ -51,10 +60,18 @@ impl Instrument {
             Self::Shear => "shear test of KES-FB1",
             Self::Bend => "bending test of KES-FB2",
             Self::Cantilever => "cantilever test of ASTM D1388",
+            Self::Bias => "bias extension of FAST-3",
+            Self::PictureFrame => "picture frame test",
         }
     }
 
-    /// Measures `fabric` along given yarns.
+    /// Whether its specimen is cut along warp or weft; others are at 45° to both, or along both.
+    #[must_use]
+    pub fn has_yarns(self) -> bool {
+        !matches!(self, Self::Bias | Self::PictureFrame)
+    }
+
+    /// Measures `fabric` along given yarns, which do not matter to an instrument that [has none](Self::has_yarns).
     ///
     /// # Errors
     /// See [`LabError`].
@@ -93,6 +110,22 @@ impl Instrument {
                 let mut columns = pair("overhang", Unit::LENGTH, "angle", Unit::ANGLE, &test.curve, &[]);
                 // No formula has the angle.
                 columns.truncate(2);
+                Ok(Measurement { columns, readings: test.readings, record: test.record })
+            }
+            Self::Bias => {
+                let test = bias(fabric, resolution)?;
+                let [strain, tension] =
+                    [0, 1].map(|axis| test.curve.iter().map(|point| point[axis]).collect());
+                let columns = vec![
+                    Column { name: "strain", unit: Unit::PERCENT, values: strain },
+                    Column { name: "tension", unit: Unit::TENSION, values: tension },
+                ];
+                Ok(Measurement { columns, readings: test.readings, record: test.record })
+            }
+            Self::PictureFrame => {
+                let test = picture_frame(fabric, resolution)?;
+                let unit = Unit::plain("N");
+                let columns = pair("angle", Unit::ANGLE, "force", unit, &test.curve, &test.input);
                 Ok(Measurement { columns, readings: test.readings, record: test.record })
             }
         }

@@ -27,18 +27,22 @@
 //! load. Specimens stay in a plane, as instruments keep them: they are pulled and sheared flat, and bent like a cylinder.
 
 mod bend;
+mod bias;
 mod cantilever;
 mod error;
 mod instrument;
+mod picture_frame;
 mod reading;
 mod shear;
 mod specimen;
 mod tensile;
 
 pub use bend::{BendTest, bend};
+pub use bias::{BiasTest, bias};
 pub use cantilever::{CantileverTest, Tip, cantilever, hang};
 pub use error::LabError;
 pub use instrument::{Instrument, Measurement};
+pub use picture_frame::{PictureFrameTest, picture_frame};
 pub use reading::{Column, Reading, Record, Unit};
 pub use shear::{ShearTest, shear};
 pub use tensile::{TensileTest, tensile};

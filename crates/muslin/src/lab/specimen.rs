@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::{Along, LabError, Record};
 use crate::model::Grid;
 use crate::scene::{
-    ClothSettings, Environment, Fabric, GridSettings, MeasuredFabric, Method, PinPlace, PinSettings,
-    Placement, RunSettings, Scene, Start, StepRule,
+    ClothSettings, Environment, Fabric, GridSettings, MeasuredFabric, MembraneTension, Method, PinPlace,
+    PinSettings, Placement, RunSettings, Scene, Start, StepRule,
 };
 use crate::statics::{Slide, StaticSolver};
 use crate::{Model, Points, State};
@@ -46,6 +46,14 @@ impl Cut {
         let (low, high) = (RATIO_MARGIN * narrowest, (widest / RATIO_MARGIN).min(WIDEST_CELL));
         let ratio = if low < high { high } else { (narrowest * widest).sqrt() };
         let across = ((width / (spacing * ratio)).ceil() as usize).max(cells_across);
+        let is_allowed = |across: usize| {
+            let ratio = width / across as f64 / spacing;
+            narrowest < ratio && ratio < widest
+        };
+        // Narrow cells may not be allowed.
+        let Some(across) = (1..=across).rev().find(|&across| is_allowed(across)) else {
+            return Err(shear_above_stretch(fabric));
+        };
         Ok(Self { along, size, cells: [cells, across] })
     }
 }
@@ -53,16 +61,19 @@ impl Cut {
 /// The least and largest ratio of a cell's width to its length, along `along`, at which springs have tension left.
 fn allowed_ratios(fabric: &MeasuredFabric, along: Along) -> Result<[f64; 2], LabError> {
     let [narrowest, widest] = fabric.cell_ratios();
-    if !(narrowest < widest) {
-        let [warp, weft] = [&fabric.warp, &fabric.weft].map(|tension| tension.least_modulus());
-        let limit = (warp * weft).sqrt();
-        return Err(LabError::ShearAboveStretch { shear_modulus: fabric.shear_modulus, limit });
+    if widest <= narrowest {
+        return Err(shear_above_stretch(fabric));
     }
     // They are given for the weft as width.
     Ok(match along {
         Along::Warp => [narrowest, widest],
         Along::Weft => [1.0 / widest, 1.0 / narrowest],
     })
+}
+
+fn shear_above_stretch(fabric: &MeasuredFabric) -> LabError {
+    let [warp, weft] = [&fabric.warp, &fabric.weft].map(MembraneTension::least_modulus);
+    LabError::ShearAboveStretch { shear_modulus: fabric.shear_modulus, limit: (warp * weft).sqrt() }
 }
 
 /// A specimen in the plane of x and y, or bent from a plane across it, and its way so far.
@@ -76,8 +87,8 @@ pub(super) struct Specimen {
     state: State,
     solver: StaticSolver,
     frames: Vec<Points>,
-    /// The test's parameter at the last two frames.
-    parameters: [f64; 2],
+    /// The test's parameter at each frame.
+    parameters: Vec<f64>,
     residual: f64,
     relative_residual: f64,
 }
@@ -117,14 +128,13 @@ impl Specimen {
         let model = Model::new(&scene);
         let state = model.initial_state(&scene);
         let (solver, grid) = (StaticSolver::new(&model), model.cloths()[0].grid);
-        let frames = Vec::new();
-        let parameters = [f64::NAN; 2];
+        let (frames, parameters) = (Vec::new(), Vec::new());
         Self { model, grid, along, state, solver, frames, parameters, residual: 0.0, relative_residual: 0.0 }
     }
 
     /// Goes on with the way of an `earlier` specimen, which has nothing before it.
     pub(super) fn follow(&mut self, earlier: Self) {
-        self.frames = earlier.frames;
+        (self.frames, self.parameters) = (earlier.frames, earlier.parameters);
         (self.residual, self.relative_residual) = (earlier.residual, earlier.relative_residual);
     }
 
@@ -166,6 +176,11 @@ impl Specimen {
         }
     }
 
+    /// Makes `load` [N], a dead one that keeps its direction, that of `particle`.
+    pub(super) fn set_load(&mut self, particle: usize, load: DVec3) {
+        self.solver.loads.set(particle, load);
+    }
+
     /// Lets the specimen come to rest from where it is, at a `place` of the test in words. What fabrics remember stays.
     pub(super) fn settle(
         &mut self,
@@ -185,15 +200,28 @@ impl Specimen {
     /// frame, and from here on a fabric with a memory remembers it.
     pub(super) fn accept(&mut self, parameter: f64) {
         self.frames.push(self.state.positions.clone());
-        self.parameters = [self.parameters[1], parameter];
+        self.parameters.push(parameter);
     }
 
-    /// Guesses where the particles are at a `parameter` of the test, on a straight line through the last two frames; whether
-    /// there are any.
-    pub(super) fn extrapolate(&mut self, parameter: f64) -> bool {
-        let [before, last] = self.parameters;
+    /// Puts the particles where they were when the test's parameter was the same, if it ever was; whether it was.
+    pub(super) fn recall(&mut self, parameter: f64) -> bool {
+        let frame = self.parameters.iter().rposition(|&earlier| earlier == parameter);
+        if let Some(frame) = frame {
+            self.state.positions.clone_from(&self.frames[frame]);
+        }
+        frame.is_some()
+    }
+
+    /// Guesses where the particles are at a `parameter` of the test: where they were when it was the same, or else on a straight
+    /// line through the last two frames; whether there are any.
+    pub(super) fn guess(&mut self, parameter: f64) -> bool {
+        if self.recall(parameter) {
+            return true;
+        }
+        let ([.., before, last], [.., earlier, latest]) = (&self.parameters[..], &self.frames[..]) else {
+            return false;
+        };
         let share = (parameter - last) / (last - before);
-        let ([.., earlier, latest], true) = (&self.frames[..], share.is_finite()) else { return false };
         for particle in 0..latest.len() {
             let (from, to) = (earlier.get(particle), latest.get(particle));
             self.state.positions.set(particle, to + (to - from) * share);

@@ -125,7 +125,7 @@ impl Bench {
         let [count, _] = self.specimen.counts();
         let cells = count - 1;
         let spacing = SIZE[0] / cells as f64 * (1.0 + strain);
-        let is_guessed = self.specimen.extrapolate(strain);
+        let is_guessed = self.specimen.guess(strain);
         self.specimen.move_to(|i, _, place| {
             if is_guessed && 0 < i && i < cells { place } else { place.with_x(i as f64 * spacing) }
         });

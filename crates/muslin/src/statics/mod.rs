@@ -74,7 +74,7 @@ impl Rest {
 #[derive(Debug)]
 pub(crate) struct StaticSolver {
     unknowns: Unknowns,
-    /// Loads [N] on the free particles, dead ones that keep their direction.
+    /// Loads [N] on particles that may move, slides among them: dead ones, that keep their direction.
     pub(crate) loads: Points,
     /// Of the free particles' part of a tangent, that of this state or of an earlier one.
     factor: Option<BandedFactor>,
@@ -247,7 +247,7 @@ impl StaticSolver {
         for count in 1..=MOST_PRODUCTS {
             self.product(model, state, slides, &direction, &mut product);
             let curvature = dot_in_lanes(&direction, &product);
-            if !(0.0 < curvature) {
+            if curvature <= 0.0 || curvature.is_nan() {
                 return None;
             }
             let length = square / curvature;
@@ -343,7 +343,7 @@ fn eval_forces(model: &Model, state: &State, forces: &mut Points) {
     for force in model.forces() {
         sweep.restart();
         for_each_block(model, forces, |block, own| {
-            force.add_forces(at(model, state), block, own, &mut sweep)
+            force.add_forces(at(model, state), block, own, &mut sweep);
         });
     }
 }

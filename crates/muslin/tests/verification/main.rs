@@ -15,6 +15,7 @@ mod estimator;
 mod falling;
 mod flutter;
 mod hanging_chain;
+mod instruments;
 mod laws;
 mod limits;
 mod measured;

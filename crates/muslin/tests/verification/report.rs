@@ -119,7 +119,7 @@ fn small(error: f64, tolerance: f64) -> String {
 }
 
 /// Every problem, in the order of the book.
-const PROBLEMS: [&LazyLock<Problem>; 16] = [
+const PROBLEMS: [&LazyLock<Problem>; 18] = [
     &crate::falling::PROBLEM,
     &crate::oscillator::PROBLEM,
     &crate::hanging_chain::PROBLEM,
@@ -132,6 +132,8 @@ const PROBLEMS: [&LazyLock<Problem>; 16] = [
     &crate::moduli::PROBLEM,
     &crate::measured::PROBLEM,
     &crate::cantilever::PROBLEM,
+    &crate::instruments::PROBLEM,
+    &crate::instruments::STRIPS,
     &crate::conservation::PROBLEM,
     &crate::energy::PROBLEM,
     &crate::order::PROBLEM,
