@@ -176,15 +176,17 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
     let rows = others.into_iter().chain(shear).collect();
     Problem {
         title: "What goes in comes out",
-        text: "Ten fabrics, those of the library and four at the ends of the published range, on the virtual tensile and shear tests \
-               of KES-FB1 and the bending test of KES-FB2. Shown is the instrument's value at 40 cells; the error is the largest \
-               relative difference of any point of the curve from what the fabric was given, with 10, 20 or 40 cells. Shear is \
-               that of the middle half of the specimen, away from its free edges, which in the nylon film reach far.",
+        text: "Ten fabrics, those of the library and four at the ends of the published range, on the virtual tensile and \
+               shear tests of KES-FB1 and the bending test of KES-FB2. Shown is the instrument's value at 40 cells; the \
+               error is the largest relative difference of any point of the curve from what the fabric was given, with \
+               10, 20 or 40 cells. Three fabrics have tension and shear of the suiting; their shear is that of 20 cells, \
+               and of 10. Shear is that of the middle half of the specimen, away from its free edges, which in the nylon \
+               film reach far.",
         rows,
     }
 });
 
-/// A suiting with the given bending.
+/// The fabric of strips and frames.
 fn suiting() -> MeasuredFabric {
     LibraryFabric::find("typical-suiting").expect("a fabric of the library").fabric()
 }
