@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::error::{ContextKind, ContextValue};
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::report::shell_word;
 
@@ -55,6 +55,8 @@ pub(crate) enum Command {
     Fabric(FabricCommand),
     /// Identify a measured fabric from the data of textile instruments
     Fit(FitArguments),
+    /// Measure a fabric on a virtual instrument: what goes in must come out
+    Lab(LabArguments),
     /// Recompute the figures and claims of the paper behind muslin, on a page
     Reproduce(ReproduceArguments),
 }
@@ -149,6 +151,69 @@ pub(crate) struct FitArguments {
     /// Replace what an earlier fit wrote into the folder
     #[arg(long, requires = "out")]
     pub(crate) force: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct LabArguments {
+    /// Instrument
+    pub(crate) instrument: InstrumentName,
+    /// Fabric of the library, as `muslin fabric list` has it, or a TOML file with a measured fabric
+    pub(crate) fabric: String,
+    /// Yarns along which the specimen is cut; the warp if left out. Of no effect on `bias` and `picture-frame`
+    #[arg(long, value_name = "YARNS")]
+    pub(crate) along: Option<YarnName>,
+    /// The same as `--along warp`
+    #[arg(long, conflicts_with_all = ["along", "weft"])]
+    pub(crate) warp: bool,
+    /// The same as `--along weft`
+    #[arg(long, conflicts_with = "along")]
+    pub(crate) weft: bool,
+    /// Cells of the specimen between its clamps
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    pub(crate) cells: usize,
+    /// Folder to write; `out/lab-INSTRUMENT-FABRIC-YARNS` if left out
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace what an earlier test wrote into the folder
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+impl LabArguments {
+    /// The yarns along which the specimen is cut.
+    pub(crate) fn along(&self) -> YarnName {
+        match self.along {
+            Some(along) => along,
+            None if self.weft => YarnName::Weft,
+            None => YarnName::Warp,
+        }
+    }
+}
+
+/// Name of a virtual instrument.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum InstrumentName {
+    /// KES-FB1: EMT, LT, WT, RT
+    Tensile,
+    /// KES-FB1: G, 2HG, 2HG5
+    Shear,
+    /// KES-FB2: B, 2HB
+    Bend,
+    /// ASTM D1388: bending length
+    Cantilever,
+    /// FAST-3: EB5, G
+    Bias,
+    /// Hinged square frame: G
+    PictureFrame,
+}
+
+/// Name of a fabric's yarns.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum YarnName {
+    /// Along the height of a cloth
+    Warp,
+    /// Along its width
+    Weft,
 }
 
 /// More threads than any machine has cores cost time and gain nothing.

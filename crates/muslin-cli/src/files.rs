@@ -21,10 +21,10 @@ use crate::scene_file::SceneFile;
 use crate::summary::{Ending, Summary, method_name, outcomes};
 
 /// Vertices per cloth in `cloth.glb` at most.
-const GLB_VERTICES: usize = 66_000;
+pub(crate) const GLB_VERTICES: usize = 66_000;
 
 /// Vertices per cloth in `view.html` at most.
-const VIEW_VERTICES: usize = 16_400;
+pub(crate) const VIEW_VERTICES: usize = 16_400;
 
 /// Vertices per cloth in `poster.png` at most.
 const POSTER_VERTICES: usize = 80_000;
@@ -266,7 +266,7 @@ pub(crate) fn residual_text(residual: f64) -> String {
 }
 
 /// Gives the strain [1] of every particle from the positions of all.
-fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
+pub(crate) fn particle_strains(model: &Model) -> impl FnMut(&Points, &mut Vec<f32>) + '_ {
     let velocities = Points::default();
     move |positions, strains| {
         strains.clear();

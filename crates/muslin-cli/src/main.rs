@@ -13,6 +13,7 @@ mod files;
 mod fit;
 mod folder;
 mod frame_store;
+mod lab;
 mod memory;
 mod new;
 mod output;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::Fabric(FabricCommand::Show { name }) => fabric::show(name),
         Command::Fabric(FabricCommand::Import { file, name }) => fabric_import::import(file, name.as_deref()),
         Command::Fit(arguments) => fit::fit(arguments),
+        Command::Lab(arguments) => lab::lab(arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

@@ -11,6 +11,10 @@ use crate::error::{CliError, reason};
 use crate::memory::require_memory;
 use crate::output::{bytes_hash, inputs_hash, is_run_file};
 
+/// What to name if there is no such file.
+const SCENE_HELP: &str =
+    "name a scene file such as scenes/hanging.toml, or print one with `muslin new hanging`";
+
 /// A scene and the text that it was read from, after the changes of the command line.
 pub(crate) struct SceneFile {
     pub(crate) scene: Scene,
@@ -22,7 +26,7 @@ pub(crate) struct SceneFile {
 impl SceneFile {
     /// Reads the scene at `path` and makes the changes `assignments` (`key=value`). It fits this machine's memory.
     pub(crate) fn read(path: &Path, assignments: &[String]) -> Result<Self, CliError> {
-        let mut text = read_text(path)?;
+        let mut text = read_text(path, "scene file", SCENE_HELP)?;
         for assignment in assignments {
             text = set_value(&text, assignment).map_err(|error| {
                 CliError::BadInput(error.render(&format!("--set {assignment}"), assignment))
@@ -84,14 +88,12 @@ fn require_other_name(file: &DataFile) -> Result<(), CliError> {
     ))
 }
 
-/// The text of the file at `path`, if it is one and of a scene's size.
-fn read_text(path: &Path) -> Result<String, CliError> {
-    const HELP: &str =
-        "name a scene file such as scenes/hanging.toml, or print one with `muslin new hanging`";
-    let read_error = |error: &io::Error| CliError::read(path, error, HELP);
+/// The text of the file at `path`, a `kind` of file, if it is one and of a scene's size; `help` says what to name instead.
+pub(crate) fn read_text(path: &Path, kind: &str, help: &str) -> Result<String, CliError> {
+    let read_error = |error: &io::Error| CliError::read(path, error, help);
     let file = fs::File::open(path).map_err(|error| read_error(&error))?;
     if file.metadata().map_err(|error| read_error(&error))?.is_dir() {
-        return Err(CliError::input(format_args!("{} is a folder, not a scene file", path.display()), HELP));
+        return Err(CliError::input(format_args!("{} is a folder, not a {kind}", path.display()), help));
     }
     let mut bytes = Vec::new();
     // One byte more than allowed shows that the file is too long without reading all of it.
@@ -99,8 +101,8 @@ fn read_text(path: &Path) -> Result<String, CliError> {
     if bytes.len() > MAX_SCENE_BYTES {
         let limit = MAX_SCENE_BYTES >> 20;
         return Err(CliError::input(
-            format_args!("{} is larger than {limit} MiB, so it is no scene file", path.display()),
-            HELP,
+            format_args!("{} is larger than {limit} MiB, so it is no {kind}", path.display()),
+            help,
         ));
     }
     String::from_utf8(bytes).map_err(|error| {

@@ -52,6 +52,7 @@
 //! | [`limit`] | corrections of springs that are too long |
 //! | [`integrate`] | the trait [`Integrator`], central differences, the largest stable step, threads |
 //! | [`observe`] | the trait [`Observer`], energies, strains, hashes, expectations |
+//! | [`lab`] | virtual instruments: what a measured fabric gives on them |
 //! | [`write`](mod@write) | formats, each to an `impl Write` |
 //!
 //! Stepping without [`Simulation`], as in a game loop, is shown by the example `step_by_hand`.
@@ -69,6 +70,7 @@ mod aligned;
 pub mod force;
 mod instructions;
 pub mod integrate;
+pub mod lab;
 pub mod limit;
 pub mod model;
 pub mod observe;
@@ -76,6 +78,7 @@ mod points;
 mod run;
 pub mod scene;
 mod state;
+mod statics;
 pub mod write;
 
 pub use aligned::AlignedArray;

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 /// Which module may use which, from the bottom up; in brackets, if not all of it.
 ///
-/// Scene, model, force, integrate and observe are the data flow. A model builds its forces and limits, and these know what they act
+/// Scene, model, force, integrate and observe are the data flow; statics and the laboratory are beside it. A model builds its forces and limits, and these know what they act
 /// on: of the model its grids and particles, nothing else. Nothing knows the run but the commands, and what writes files
 /// knows neither methods nor forces.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("points", &[]),
     ("instructions", &[]),
     ("scene", &[]),
@@ -18,13 +18,26 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("model", &["points", "instructions", "scene", "state", "force", "limit"]),
     ("integrate", &["points", "instructions", "scene", "state", "force", "model"]),
     ("observe", &["points", "scene", "state", "force", "model"]),
+    ("statics", &["points", "state", "force", "model"]),
+    ("lab", &["points", "scene", "state", "force", "model", "integrate", "statics"]),
     ("write", &["points", "model", "observe", "force::Family"]),
     ("run", &["points", "scene", "state", "model", "integrate", "observe"]),
 ];
 
-/// What decides the bits of a run.
-const STEPPING: [&str; 9] =
-    ["points", "instructions", "state", "force", "limit", "model", "integrate", "observe", "run"];
+/// What decides the bits of a run, or of a test.
+const STEPPING: [&str; 11] = [
+    "points",
+    "instructions",
+    "state",
+    "force",
+    "limit",
+    "model",
+    "integrate",
+    "observe",
+    "run",
+    "statics",
+    "lab",
+];
 
 /// A library that opens no files, reads no clock or environment and prints nothing.
 const NOT_IN_THE_LIBRARY: [&str; 8] =

@@ -5,6 +5,7 @@ mod bad_scene;
 mod data_files;
 mod fitting;
 mod interruptions;
+mod lab;
 mod other_commands;
 mod reproduction;
 mod runs;

@@ -18,6 +18,7 @@ mod falling;
 mod flutter;
 mod friction;
 mod hanging_chain;
+mod instruments;
 mod laws;
 mod limits;
 mod measured;

@@ -119,7 +119,7 @@ fn small(error: f64, tolerance: f64) -> String {
 }
 
 /// Every problem, in the order of the book.
-const PROBLEMS: [&LazyLock<Problem>; 19] = [
+const PROBLEMS: [&LazyLock<Problem>; 21] = [
     &crate::falling::PROBLEM,
     &crate::oscillator::PROBLEM,
     &crate::hanging_chain::PROBLEM,
@@ -135,6 +135,8 @@ const PROBLEMS: [&LazyLock<Problem>; 19] = [
     &crate::choi_ko::PROBLEM,
     &crate::friction::PROBLEM,
     &crate::damping::PROBLEM,
+    &crate::instruments::PROBLEM,
+    &crate::instruments::STRIPS,
     &crate::conservation::PROBLEM,
     &crate::energy::PROBLEM,
     &crate::order::PROBLEM,

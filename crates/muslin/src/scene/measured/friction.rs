@@ -91,6 +91,13 @@ impl ShearFriction {
         let turning = (at_rest + growth * end + limit_5) / (end - fifth);
         Ok(Self { at_rest, growth, stiffness: turning.max(limit / first) })
     }
+
+    /// The hysteresis [N/m] at a shear `angle` [rad] in a loop whose both ways have turned there.
+    #[must_use]
+    pub fn hysteresis(&self, angle: f64) -> f64 {
+        let (sine, cosine) = libm::sincos(angle.abs());
+        2.0 * (self.at_rest + self.growth * sine) * cosine
+    }
 }
 
 /// Friction in bending: a moment against the change of curvature.
@@ -145,6 +152,14 @@ impl TensionFriction {
         // Written so that what is not a number is no friction.
         (0.0 < ratio && ratio < 1.0).then(|| Self { ratio, stiffness: ratio * stiffness / (1.0 + ratio) })
     }
+
+    /// The share RT [1] of the work that a fabric with this friction gives back, which is loaded along `tension` up to the strain
+    /// `extension` [1].
+    #[must_use]
+    pub fn resilience(&self, tension: &MembraneTension, extension: f64) -> f64 {
+        let stiffness = self.stiffness * (1.0 + self.ratio) / self.ratio;
+        (1.0 + self.ratio * returned_share(tension, extension, stiffness)) / (1.0 + self.ratio)
+    }
 }
 
 /// s [N/m]: stiffness of what holds, by μ and relative to an elastic tension as large as the loading curve.
@@ -189,6 +204,9 @@ mod tests {
     /// A straight line in the sine through both limits; what holds slips at 0.5°, or has turned around from 8° to 5°.
     #[test]
     fn friction_in_shear_goes_through_both_readings() {
+        let both = ShearFriction::from_kes(0.5, Some(0.9)).expect("a friction");
+        assert!((both.hysteresis(0.5 * PI / 180.0) - 0.5).abs() < 1e-14);
+        assert!((both.hysteresis(-5.0 * PI / 180.0) - 0.9).abs() < 1e-14);
         for (hysteresis, hysteresis_5) in [(1.0, 1.0), (1.0, 2.0), (0.4, 3.9)] {
             let friction = ShearFriction::from_kes(hysteresis, Some(hysteresis_5)).expect("friction");
             let limit = |degrees: f64| friction.at_rest + friction.growth * (degrees * DEGREE).sin();
@@ -208,6 +226,9 @@ mod tests {
     /// μ is above (1 − RT) / (1 + RT), where friction would turn around at once, by half or so.
     #[test]
     fn friction_along_yarns_gives_back_what_it_should() {
+        let tension = MembraneTension::Tangent { modulus: 3000.0, strain_scale: 0.05 };
+        let friction = TensionFriction::from_kes(&tension, 0.04, 0.7).expect("a friction");
+        assert!((friction.resilience(&tension, 0.04) - 0.7).abs() < 1e-12);
         let linear = MembraneTension::Linear { modulus: 900.0 };
         let stiffening = MembraneTension::Tangent { modulus: 3600.0, strain_scale: 0.036 };
         for (tension, extension, nearness) in [(&linear, 0.03, 1.6), (&stiffening, 0.047, 1.7)] {

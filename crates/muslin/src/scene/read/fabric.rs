@@ -21,8 +21,37 @@ pub(super) fn read(entry: Entry, files: &mut DataFiles) -> Result<BTreeMap<Strin
     fabrics.into_iter().map(|(name, fabric)| Ok((name.to_owned(), read_fabric(fabric, files)?))).collect()
 }
 
+/// The only fabric of `text`, whose `entries` are its keys, or a table `[fabric.NAME]` with them.
+pub(super) fn read_alone(
+    text: &str,
+    entries: &DeTable<'_>,
+    files: &mut DataFiles,
+) -> Result<Fabric, SceneError> {
+    let mut table = Table::new(text, String::new(), None, entries);
+    if !table.peek("fabric").is_given() {
+        return read_table(Table::new(text, "fabric".to_owned(), None, entries), files);
+    }
+    let fabrics = table.take("fabric");
+    table.finish()?;
+    let table = fabrics.required("", "write `[fabric.NAME]`")?;
+    let mut values = table.clone().table("write `[fabric.NAME]`")?.into_named_values().into_iter();
+    match (values.next(), values.next()) {
+        (Some((_, only)), None) => read_fabric(only, files),
+        (_, second) => Err(table.error(SceneErrorKind::Inconsistent {
+            message: match second {
+                Some(_) => "there is more than one fabric, but only one is read from a file".to_owned(),
+                None => "`fabric` is empty, but must be a table `[fabric.NAME]`".to_owned(),
+            },
+            help: "give each fabric a file of its own".to_owned(),
+        })),
+    }
+}
+
 fn read_fabric(value: Value, files: &mut DataFiles) -> Result<Fabric, SceneError> {
-    let mut table = value.table("write `[fabric.NAME]`")?;
+    read_table(value.table("write `[fabric.NAME]`")?, files)
+}
+
+fn read_table(mut table: Table, files: &mut DataFiles) -> Result<Fabric, SceneError> {
     let kind = table.take("kind");
     let kind_name = match table.peek("kind").optional() {
         Some(kind) => kind.choice(

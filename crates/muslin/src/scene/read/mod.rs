@@ -22,7 +22,7 @@ pub(super) use self::table::joined;
 pub(super) use self::value::rounded;
 use super::data::DataFiles;
 use super::error::{SceneError, SceneErrorKind};
-use super::{MAX_SCENE_BYTES, Scene};
+use super::{Fabric, MAX_SCENE_BYTES, Scene};
 
 impl Scene {
     /// Reads a scene from TOML text that names no files.
@@ -110,6 +110,37 @@ impl Scene {
         let expectations = expect::read(expectations, has_structural_springs)?;
         let data_files = files.into_files();
         Ok(Self { title, run, environment, fabrics, cloths, expectations, data_files })
+    }
+}
+
+impl Fabric {
+    /// Reads a fabric from TOML text: its keys as they stand in a table `[fabric.NAME]` of a scene, or that table alone. The
+    /// files that it names are read through `load`, as [`Scene::parse_with`] does.
+    ///
+    /// ```
+    /// use muslin::scene::{Fabric, LibraryFabric};
+    ///
+    /// let suiting = LibraryFabric::find("typical-suiting").expect("a fabric of the library");
+    /// let mut no_files = |_: &str| Err("there are none".to_owned());
+    /// let fabric = Fabric::parse_with(suiting.text(), &mut no_files)?;
+    /// assert_eq!(fabric, Fabric::Measured(suiting.fabric()));
+    /// let table = format!("[fabric.suiting]\n{}", suiting.text());
+    /// assert_eq!(Fabric::parse_with(&table, &mut no_files)?, fabric);
+    /// # Ok::<(), muslin::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first rule that the text breaks; that it has more than one fabric is one of them.
+    pub fn parse_with(
+        text: &str,
+        load: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, SceneError> {
+        check_length(text)?;
+        let entries = DeTable::parse(text).map_err(|error| not_toml(error.message(), error.span(), text))?;
+        if entries.get_ref().is_empty() {
+            return Err(SceneError::new(SceneErrorKind::Empty));
+        }
+        fabric::read_alone(text, entries.get_ref(), &mut DataFiles::new(Some(load)))
     }
 }
 
