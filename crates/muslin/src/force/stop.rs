@@ -28,6 +28,18 @@ impl Stop {
         if force < -self.limit { -self.limit } else { force }
     }
 
+    /// df/dq at the coordinate q, where Y grows by `growth` = dY/dq.
+    pub(super) fn tangent(self, coordinate: f64, growth: f64) -> f64 {
+        let force = self.stiffness * (coordinate - self.slip);
+        if self.limit < force {
+            growth
+        } else if force < -self.limit {
+            -growth
+        } else {
+            self.stiffness
+        }
+    }
+
     /// The slip once the element has slid as far as it must at the coordinate q: as it was where it holds.
     ///
     /// Where it slides, the new slip is by a few roundings farther away than Y / k, so that the force from it has the very

@@ -29,6 +29,10 @@ const MOST_PRODUCTS: usize = 80;
 /// What conjugate gradients leave of a residual, at least and at most.
 const SOLUTION_TOLERANCES: [f64; 2] = [1e-6, 1e-2];
 
+/// How far along a step forces may point back, relative to how they pointed on at its start, and how often it is made shorter.
+const MOST_OVERSHOOT: f64 = 0.1;
+const MOST_TRIALS: usize = 12;
+
 /// Way of a particle in one of Newton's steps at most, relative to the smaller spacing of the grid.
 const LONGEST_WAY: f64 = 2.0;
 
@@ -123,10 +127,10 @@ impl StaticSolver {
         state: &mut State,
         slides: &[Slide],
     ) -> Result<Rest, Rest> {
-        let mut residuals = Vec::new();
-        let mut way = Vec::new();
+        let (mut residuals, mut way) = (Vec::new(), Vec::new());
+        let mut start = Points::zeros(state.positions.len());
+        eval_forces(model, state, &mut self.forces);
         for steps in 0.. {
-            eval_forces(model, state, &mut self.forces);
             let rest = self.rest(model, state, slides, steps, &mut residuals);
             if rest.is_reached() {
                 return Ok(rest);
@@ -143,12 +147,40 @@ impl StaticSolver {
             let longest = self.displacements.iter().map(DVec3::length).fold(0.0, f64::max);
             let limit = LONGEST_WAY * grid.column_spacing.min(grid.row_spacing);
             let share = if limit < longest { limit / longest } else { 1.0 };
-            for particle in 0..self.displacements.len() {
-                let place = state.positions.get(particle) + self.displacements.get(particle) * share;
-                state.positions.set(particle, place);
-            }
+            start.clone_from(&state.positions);
+            let power = dot_in_lanes(&residuals, &way);
+            self.go(model, state, slides, (&start, &way), (share, power), &mut residuals);
         }
         unreachable!("the steps above end")
+    }
+
+    /// Moves `state` from `start` by a share of the displacements at hand, the unknowns' `way`, and evaluates forces there: by the
+    /// `share` given, or less where forces have come to point back by then, as where friction holds again that had slipped.
+    /// Forces had the `power` [J] along the way at the start.
+    fn go(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        slides: &[Slide],
+        (start, way): (&Points, &[f64]),
+        (mut share, power): (f64, f64),
+        residuals: &mut Vec<f64>,
+    ) {
+        let displacements = self.displacements.clone();
+        for _ in 0..MOST_TRIALS {
+            for particle in 0..displacements.len() {
+                let place = start.get(particle) + displacements.get(particle) * share;
+                state.positions.set(particle, place);
+            }
+            eval_forces(model, state, &mut self.forces);
+            self.rest(model, state, slides, 0, residuals);
+            let reached = dot_in_lanes(residuals, way);
+            if -MOST_OVERSHOOT * power <= reached || reached.is_nan() {
+                return;
+            }
+            // Between where they point on and where they point back.
+            share *= (power / (power - reached)).max(0.1);
+        }
     }
 
     /// How well `state` is at rest, and the `residuals` [N] of the unknowns.

@@ -18,8 +18,8 @@ use crate::{InstructionSet, Points, PointsMut};
 /// its slip, one value that belongs to the particle that owns the element. Forces along the coordinate act on the element's
 /// particles by its gradients, so that there is neither a net force nor a moment, nor any force in rigid motion.
 ///
-/// Elements are as stiff as those that hold, whether they do or not; how their forces turn with the cloth is in no tangent and in no
-/// bound, since friction is small against what it turns with.
+/// To bounds, elements are as stiff as those that hold, whether they do or not, since they may at any time; how their forces turn with
+/// the cloth is in no tangent and in no bound, since friction is small against what it turns with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridFriction {
     elements: GridElements,
@@ -240,7 +240,6 @@ impl Force for GridFriction {
         });
     }
 
-    /// Of elements that hold.
     fn add_tangent_products(
         &self,
         at: Configuration<'_>,
@@ -253,8 +252,10 @@ impl Force for GridFriction {
         self.elements.for_each_touching(block, |segment| {
             stops.eval(self, at, segment);
             stops.chunk.eval_rates(displacements, &mut factors);
-            for (factor, stiffness) in factors.iter_mut().zip(&stops.stiffnesses) {
-                *factor *= stiffness;
+            let slips = self.slips(at, segment);
+            for i in 0..stops.chunk.len() {
+                let stop = stops.stop(i, slips.get(i).copied().unwrap_or(0.0));
+                factors[i] *= stop.tangent(stops.chunk.coordinates[i], stops.growths[i]);
             }
             stops.chunk.add_gradients(&factors, &rows, block.start, products);
         });
