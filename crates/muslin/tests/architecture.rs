@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 /// Scene, model, force, integrate and observe are the data flow; statics and the laboratory are beside it. A model builds its forces and limits, and these know what they act
 /// on: of the model its grids and particles, nothing else. Nothing knows the run but the commands, and what writes files
 /// knows neither methods nor forces.
-const MAY_USE: [(&str, &[&str]); 13] = [
-    ("points", &[]),
+const MAY_USE: [(&str, &[&str]); 14] = [
+    ("aligned", &[]),
+    ("points", &["aligned"]),
     ("instructions", &[]),
     ("scene", &[]),
     ("state", &["points"]),
@@ -25,7 +26,8 @@ const MAY_USE: [(&str, &[&str]); 13] = [
 ];
 
 /// What decides the bits of a run, or of a test.
-const STEPPING: [&str; 11] = [
+const STEPPING: [&str; 12] = [
+    "aligned",
     "points",
     "instructions",
     "state",

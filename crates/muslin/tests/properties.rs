@@ -334,7 +334,7 @@ proptest! {
     /// strain, 2 √3 1e-5: 1.7e-5 of the stiffness for one spring. Three at once are allowed for.
     #[test]
     fn tangents_are_the_derivatives_of_the_forces(numbers in random_law_scene()) {
-        // Air has no tangent: it is not stiff, and its derivative is not symmetric. Friction has that of what holds.
+        // Air has no tangent: it is not stiff, and its derivative is not symmetric. That of friction leaves out how it turns.
         let numbers = without_friction(SceneNumbers { airs: Vec::new(), ..numbers });
         let (model, state, size) = crumpled(&numbers);
         let direction = Random::new(8).points(state.positions.len(), 1.0);

@@ -196,7 +196,7 @@ fn a_folder_without_checkpoint_can_be_used() {
 
 /// Leaves an unfinished run of [`SMALL`] in `out`: its first frame, on a disk with room for no more.
 pub(crate) fn leave_unfinished(work: &Work) {
-    let script = "trap '' XFSZ; ulimit -f 2; exec \"$@\"";
+    let script = "trap '' XFSZ; ulimit -f 3; exec \"$@\"";
     let outcome = Outcome::of(&mut work.shell(script, ["run", "scene.toml", "--out", "out"]));
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
     assert_eq!(checkpoint_frame(work), Some(0));

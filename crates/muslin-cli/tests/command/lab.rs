@@ -2,8 +2,7 @@
 
 use crate::work::{Work, exists};
 
-const LIBRARY: &str = "nylon-heat-bondable, typical-cotton-broadcloth, typical-polyester-faille, typical-polyester-tropical, \
-                       typical-suiting, typical-wool-tropical";
+const LIBRARY: &str = "nylon-heat-bondable, typical-cotton-broadcloth, typical-cotton-shirting, typical-denim, typical-polyester-cotton-twill, typical-polyester-faille, typical-polyester-plain, typical-polyester-tropical, typical-silk, typical-stretch-twill, typical-suiting, typical-wool-lycra, typical-wool-plain, typical-wool-tropical";
 
 /// Every instrument, its files, and its first value beside what went in.
 #[test]

@@ -123,7 +123,9 @@ fn tensile_rows() -> Vec<Row> {
         given,
         |fabric, along, resolution| {
             let test = lab::tensile(fabric, along, resolution)?;
-            assert!((test.resilience - 1.0).abs() < 1e-6, "an elastic fabric gives all of its work back");
+            // Each of up to 1600 free particles may be left with 1e-8 of the largest force.
+            let lost = 1.0 - test.resilience;
+            assert!(lost.abs() < 1.6e-5, "an elastic fabric gives all of its work back but {lost:e}");
             Ok(Measured { curve: test.curve, input: test.input, value: test.extension })
         },
     )

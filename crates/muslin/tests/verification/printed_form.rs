@@ -258,8 +258,9 @@ proptest! {
     #[test]
     fn any_cloth_agrees(numbers in random_scene()) {
         let mut numbers = numbers;
-        // The paper has springs alone.
+        // The paper has springs alone, without dashpots.
         numbers.cloths[0].is_measured = false;
+        numbers.cloths[0].dampings = [0.0; 3];
         let difference = max_difference(&numbers);
         prop_assert!(difference < TOLERANCE, "{difference:e} m");
     }
