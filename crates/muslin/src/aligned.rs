@@ -120,7 +120,7 @@ mod tests {
             let values: Vec<f64> = (0..len).map(|index| index as f64).collect();
             let array: AlignedArray = values.iter().copied().collect();
             assert_eq!(*array, *values);
-            assert!(len == 0 || array.as_ptr().addr() % 64 == 0, "{len} numbers");
+            assert!(len == 0 || array.as_ptr().addr().is_multiple_of(64), "{len} numbers");
             let mut copy = AlignedArray::zeros(len);
             copy.clone_from(&array);
             assert_eq!(copy, array);

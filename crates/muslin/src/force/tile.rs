@@ -86,7 +86,7 @@ impl EndCopies {
         let [own, next, last] = [first, first + grid.columns, first + 2 * grid.columns];
         let rows = [own..own + count + 2, next..next + count + 1, last..last + count];
         let Points { x, y, z } = positions;
-        if own + count + 2 <= x.len() && next + count + 1 <= x.len() && last + count <= x.len() {
+        if rows.iter().all(|row| row.end <= x.len()) {
             let [own, next, last] = rows;
             let of = |values: &'a [f64]| Coordinates {
                 rows: [&values[own.clone()], &values[next.clone()], &values[last.clone()]],

@@ -253,9 +253,9 @@ impl Force for GridFriction {
             stops.eval(self, at, segment);
             stops.chunk.eval_rates(displacements, &mut factors);
             let slips = self.slips(at, segment);
-            for i in 0..stops.chunk.len() {
+            for (i, factor) in factors.iter_mut().enumerate().take(stops.chunk.len()) {
                 let stop = stops.stop(i, slips.get(i).copied().unwrap_or(0.0));
-                factors[i] *= stop.tangent(stops.chunk.coordinates[i], stops.growths[i]);
+                *factor *= stop.tangent(stops.chunk.coordinates[i], stops.growths[i]);
             }
             stops.chunk.add_gradients(&factors, &rows, block.start, products);
         });
