@@ -9,17 +9,17 @@ use crate::scene::MeasuredFabric;
 /// A virtual instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instrument {
-    /// [`tensile`]
+    /// [`tensile()`]
     Tensile,
-    /// [`shear`]
+    /// [`shear()`]
     Shear,
-    /// [`bend`]
+    /// [`bend()`]
     Bend,
-    /// [`cantilever`]
+    /// [`cantilever()`]
     Cantilever,
-    /// [`bias`]
+    /// [`bias()`]
     Bias,
-    /// [`picture_frame`]
+    /// [`picture_frame()`]
     PictureFrame,
 }
 

@@ -1,17 +1,17 @@
 //! Virtual instruments: what a measured fabric gives on the instruments that its values come from.
 //!
-//! Each instrument builds its standard specimen from a [`MeasuredFabric`], moves its clamps or loads from one position to
+//! Each instrument builds its standard specimen from a [`MeasuredFabric`](crate::scene::MeasuredFabric), moves its clamps or loads from one position to
 //! the next, lets the specimen come to rest at each, and reads forces where the instrument does. What is read is compared
 //! with what went in: [`Reading`].
 //!
 //! | instrument | specimen | what is read |
 //! |---|---|---|
-//! | [`tensile`] | KES-FB1, 20 cm wide, 5 cm between clamps | EMT, LT, WT, RT |
-//! | [`shear`] | the same under 10 gf/cm, sheared to ±8° | G, 2HG, 2HG5 |
-//! | [`bend`] | KES-FB2, 1 cm between clamps, bent to ±2.5 /cm | B, 2HB |
-//! | [`cantilever`] | ASTM D1388, a strip pushed over an edge | bending length c, B |
-//! | [`bias`] | FAST-3, pulled at 45° to the yarns by 5 gf/cm | EB5, G |
-//! | [`picture_frame`] | a hinged square frame pulled at its corners | G |
+//! | [`tensile()`] | KES-FB1, 20 cm wide, 5 cm between clamps | EMT, LT, WT, RT |
+//! | [`shear()`] | the same under 10 gf/cm, sheared to ±8° | G, 2HG, 2HG5 |
+//! | [`bend()`] | KES-FB2, 1 cm between clamps, bent to ±2.5 /cm | B, 2HB |
+//! | [`cantilever()`] | ASTM D1388, a strip pushed over an edge | bending length c, B |
+//! | [`bias()`] | FAST-3, pulled at 45° to the yarns by 5 gf/cm | EB5, G |
+//! | [`picture_frame()`] | a hinged square frame pulled at its corners | G |
 //!
 //! ```
 //! use muslin::lab::{self, Along, Resolution};
