@@ -166,10 +166,9 @@ impl StaticSolver {
         (mut share, power): (f64, f64),
         residuals: &mut Vec<f64>,
     ) {
-        let displacements = self.displacements.clone();
         for _ in 0..MOST_TRIALS {
-            for particle in 0..displacements.len() {
-                let place = start.get(particle) + displacements.get(particle) * share;
+            for particle in 0..start.len() {
+                let place = start.get(particle) + self.displacements.get(particle) * share;
                 state.positions.set(particle, place);
             }
             eval_forces(model, state, &mut self.forces);

@@ -4,7 +4,7 @@
 //! is the whole curve, with what the fabric was given:
 //!
 //! ```text
-//! T(e)        F_s = 2 G sin ½ φ / cos φ        M = B κ
+//! T(e)        F_s = G φ        M = B κ
 //! ```
 
 use std::sync::LazyLock;
