@@ -71,18 +71,25 @@ impl Integrator for TimedIntegrator {
         self.timed(|inner| inner.move_and_measure(model, state, step, time))
     }
 
-    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
-        self.timed(|inner| inner.step_to(model, state, to))
+    fn step_to(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        before: Option<&mut State>,
+        to: StepTo,
+    ) -> Result<Motion, StepError> {
+        self.timed(|inner| inner.step_to(model, state, before, to))
     }
 
     fn step_to_and_bound(
         &mut self,
         model: &Model,
         state: &mut State,
+        before: Option<&mut State>,
         to: StepTo,
         constant_stiffness: f64,
     ) -> (Result<Motion, StepError>, StableStep) {
-        self.timed(|inner| inner.step_to_and_bound(model, state, to, constant_stiffness))
+        self.timed(|inner| inner.step_to_and_bound(model, state, before, to, constant_stiffness))
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {

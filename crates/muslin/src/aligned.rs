@@ -12,6 +12,9 @@ const LINES: usize = 64;
 /// Numbers from which on it matters where in a page an array begins.
 const LONG: usize = 2 * LINE * LINES;
 
+/// Zeros that follow on the last number at least.
+const ZEROS: usize = 272;
+
 /// A fixed number of `f64` that begin where a line of the cache does, so that no vector of a row needs two.
 ///
 /// Long arrays begin in different lines of their pages. Where all begin in the same line, as those of a system's allocator
@@ -21,7 +24,7 @@ const LONG: usize = 2 * LINE * LINES;
 /// A slice otherwise, with its equality.
 #[derive(Default)]
 pub struct AlignedArray {
-    /// With room before and behind.
+    /// With room before, and zeros behind.
     values: Vec<f64>,
     start: usize,
     len: usize,
@@ -35,12 +38,18 @@ impl AlignedArray {
             return Self::default();
         }
         let room = if len < LONG { LINE } else { LINE * LINES };
-        let values = vec![0.0; len + room];
+        let values = vec![0.0; room + len + ZEROS];
         // Neighbours in memory are at different pages; 27 lines apart, any three of them are far from each other.
         let page = values.as_ptr().addr() / (8 * LINE * LINES);
         let line = if len < LONG { 0 } else { 27 * page % (LINES - 1) };
         let start = values.as_ptr().align_offset(8 * LINE).min(LINE - 1) + LINE * line;
         Self { values, start, len }
+    }
+
+    /// Its numbers and some zeros behind them, none if it is empty: loops that run past the end need no copy.
+    #[inline(always)]
+    pub(crate) fn with_zeros_behind(&self) -> &[f64] {
+        &self.values[self.start..]
     }
 }
 

@@ -58,6 +58,12 @@ impl Points {
         self.z[index] = point.z;
     }
 
+    /// All x, y and z, and some zeros behind them, none if there are no points: loops that run past the end need no copy.
+    #[inline(always)]
+    pub(crate) fn with_zeros_behind(&self) -> [&[f64]; 3] {
+        [&self.x, &self.y, &self.z].map(AlignedArray::with_zeros_behind)
+    }
+
     /// Makes every coordinate `value`.
     pub fn fill(&mut self, value: f64) {
         self.as_mut().fill(value);
@@ -154,6 +160,16 @@ impl<'a> PointsMut<'a> {
         self.x.fill(value);
         self.y.fill(value);
         self.z.fill(value);
+    }
+
+    /// Replaces point `index`.
+    ///
+    /// # Panics
+    /// If `index` is not below [`len`](Self::len).
+    pub fn set(&mut self, index: usize, point: DVec3) {
+        self.x[index] = point.x;
+        self.y[index] = point.y;
+        self.z[index] = point.z;
     }
 
     /// Adds `vector` to point `index`.

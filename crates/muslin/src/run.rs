@@ -63,7 +63,7 @@ enum Steps {
     Adaptive {
         rule: AdaptiveStep,
         stable: StableSteps,
-        /// The state before a step that may be taken back; empty if none is.
+        /// The state before a step that may be taken back; empty before the first.
         before: Box<State>,
     },
 }
@@ -224,7 +224,7 @@ impl Simulation {
                     let passed = self.frame_index as f64 + count as f64 / per_frame as f64;
                     let time = passed / self.settings.frame_rate;
                     let to = StepTo { step, time, is_measured: false };
-                    self.integrator.step_to(&self.model, &mut self.state, to)?;
+                    self.integrator.step_to(&self.model, &mut self.state, None, to)?;
                     self.integrator.accept(&self.model, &mut self.state);
                     show_step(observers, &self.model, &self.state);
                 }
@@ -247,9 +247,6 @@ impl Simulation {
         let integrator = &mut **integrator;
         let Steps::Adaptive { rule, stable, before } = steps else { return Ok(true) };
         let may_be_refused = !rule.is_stiffness_constant || rule.tolerance.is_some();
-        if may_be_refused {
-            before.copy_from(state);
-        }
         let (start, last_step) = (state.time, state.last_step);
         let mut ideal_step = rule.ideal_step(&state.step_memory, stable.current());
         loop {
@@ -261,7 +258,14 @@ impl Simulation {
             let time = if is_last { end } else { start + step };
             let to = StepTo { step, time, is_measured: state.step_memory.is_due() };
             let stable_before = stable.current();
-            let (moved, mut stable_after) = stable.step_to(integrator, model, state, to, is_last);
+            let (moved, mut stable_after) = stable.step_to(
+                integrator,
+                model,
+                state,
+                may_be_refused.then_some(&mut **before),
+                to,
+                is_last,
+            );
             let is_finite = moved.is_ok();
             let motion = match moved {
                 Ok(motion) => to.is_measured.then_some(motion),
@@ -290,7 +294,7 @@ impl Simulation {
                 return Ok(is_last);
             }
             let tolerated_step = state.step_memory.tolerated_step;
-            state.copy_from(before);
+            std::mem::swap(state, &mut **before);
             stable.return_to(integrator, model, state);
             let longest = if is_tolerated { step } else { tolerated_step };
             ideal_step = IdealStep::after_refusal(step, longest);

@@ -43,8 +43,9 @@ pub struct StepMemory {
     pub(crate) peak_kinetic_energy: f64,
     /// Bound on the fastest frequency [rad/s] when it was evaluated last; none before the first time.
     pub(crate) fastest: Option<f64>,
-    /// Steps since then.
+    /// Steps since then, and steps after which it is evaluated again.
     pub(crate) fastest_age: u32,
+    pub(crate) fastest_lasts: u32,
     /// Whether stiffness changed by much in any step of this span of steps, and of the span before.
     pub(crate) is_unsteady: [bool; 2],
     /// What was measured in the latest step, if anything was.
@@ -108,10 +109,26 @@ impl State {
         }
     }
 
+    /// Leaves all that it is in `before`, and keeps it but for positions and velocities, which are to be overwritten; cheaper than a
+    /// copy, and without new memory if both have as many particles.
+    pub(crate) fn leave_in(&mut self, before: &mut Self) {
+        if before.positions.len() != self.positions.len() {
+            before.copy_from(self);
+        }
+        std::mem::swap(&mut self.positions, &mut before.positions);
+        std::mem::swap(&mut self.velocities, &mut before.velocities);
+        before.copy_rest_from(self);
+    }
+
     /// Overwrites it with `other`, without new memory if both have as many particles.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.positions.clone_from(&other.positions);
         self.velocities.clone_from(&other.velocities);
+        self.copy_rest_from(other);
+    }
+
+    /// Overwrites all but positions and velocities.
+    fn copy_rest_from(&mut self, other: &Self) {
         self.time = other.time;
         self.last_step = other.last_step;
         self.step_memory = other.step_memory;

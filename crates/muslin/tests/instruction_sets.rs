@@ -110,7 +110,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
             method.eval_forces(&model, &state);
             for count in 1..=40 {
                 let to = StepTo { step, time: f64::from(count) * step, is_measured: count % 2 == 0 };
-                let (moved, _) = method.step_to_and_bound(&model, &mut state, to, 0.0);
+                let (moved, _) = method.step_to_and_bound(&model, &mut state, None, to, 0.0);
                 moved.unwrap_or_else(|error| panic!("{size:?}: {error}"));
             }
             hashes.push((instructions.name(), StateHash::new(&state.positions, &state.velocities)));
@@ -192,7 +192,7 @@ fn one_pass_gives_the_bits_of_two() {
             let mut motions = Vec::new();
             for count in 1..=20 {
                 let to = StepTo { step, time: f64::from(count) * step, is_measured: count % 3 == 0 };
-                let motion = method.step_to(&model, &mut state, to);
+                let motion = method.step_to(&model, &mut state, None, to);
                 motions.push(motion.unwrap_or_else(|error| panic!("{error}")));
             }
             (StateHash::new(&state.positions, &state.velocities), motions)

@@ -25,7 +25,7 @@ pub(crate) fn model(scene: &Scene, instructions: InstructionSet) -> Model {
 /// Moves `state` by `step` [s] under forces that are known, and finds those where it is then.
 fn advance(method: &mut CentralDifference, model: &Model, state: &mut State, step: f64) {
     let to = StepTo { step, time: state.time + step, is_measured: false };
-    method.step_to(model, state, to).unwrap_or_else(|error| panic!("{error}"));
+    method.step_to(model, state, None, to).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// A model, and what moves a state of it.

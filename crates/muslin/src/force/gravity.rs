@@ -46,12 +46,15 @@ impl Force for Gravity {
         forces: &mut PointsMut<'_>,
         _sweep: &mut Sweep,
     ) {
-        for run in at.particles.runs(block) {
-            let own = run.particles.start - block.start..run.particles.end - block.start;
-            let weight = run.mass * self.acceleration;
+        for stretch in at.particles.stretches(block) {
+            let own = stretch.particles.start - block.start..stretch.particles.end - block.start;
+            let weight = stretch.mass * self.acceleration;
             forces.x[own.clone()].fill(weight.x);
             forces.y[own.clone()].fill(weight.y);
             forces.z[own].fill(weight.z);
+            for other in stretch.others {
+                forces.set(other.particle - block.start, other.mass * self.acceleration);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::grid_laws::{GridLaws, Lines, SpringGroup};
-use super::grid_stiffness::AddGridTensors;
+use super::grid_stiffness::TensorSweep;
 use super::grid_strains::{self, RaiseMaxStrains};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::row_sweep::RowSweep;
@@ -254,13 +254,6 @@ impl SpringRow<'_> {
     pub(super) fn target(&self) -> Range<usize> {
         self.pair.own.start - self.offset..self.pair.own.end - self.offset
     }
-
-    /// Positions of the particles `range`, coordinate by coordinate.
-    #[inline(always)]
-    pub(super) fn positions(&self, range: &Range<usize>) -> [&[f64]; 3] {
-        let Points { x, y, z } = self.at.positions;
-        [x, y, z].map(|values| &values[range.clone()])
-    }
 }
 
 /// Adds the stiffness bounds of a row of springs.
@@ -310,8 +303,10 @@ impl Force for GridSprings {
         at: Configuration<'_>,
         block: &Range<usize>,
         tensors: &mut StiffnessTensorsMut<'_>,
+        sweep: &mut Sweep,
     ) {
-        self.instructions.run(AddGridTensors { springs: self, at, block, tensors });
+        let Some(rows) = self.grid.block_rows(block) else { return };
+        self.instructions.run(TensorSweep { springs: self, at, rows, tensors, sweep });
     }
 
     fn add_forces_and_varying_bounds(

@@ -1,123 +1,146 @@
-//! The stiffness tensors of a grid's springs.
+//! The stiffness tensors of a grid's springs, row by row as their [forces](super::row_sweep).
 
 use std::ops::Range;
 
 use super::Configuration;
-use super::grid_springs::{GridSprings, SpringRow, columns};
-use super::law::{LawVisitor, TensionLaw};
-use super::spring::{Spring, SpringLength};
-use super::stiffness_tensors::StiffnessTensorsMut;
+use super::grid_springs::GridSprings;
+use super::row_sums::{Border, PAD, Pending, Pulls};
+use super::row_sweep::{Sweep, Swept, TileMemory, strips};
+use super::stiffness_tensors::{StiffnessTensors, StiffnessTensorsMut};
+use super::tile::{Coordinates, TILE, Tile};
+use super::tile_springs::{Ends, TileSprings};
 use crate::instructions::Vectorise;
-use crate::scene::ForceDirection;
 
-/// Adds the stiffness tensors of the `springs` on a `block`.
-pub(super) struct AddGridTensors<'a, 'b> {
+/// Coordinates that each entry of a tensor multiplies, in the order of [`StiffnessTensorsMut::entries_mut`].
+const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
+
+/// Adds the stiffness tensors w (k_a⁺ n nᵀ + c⁺ (1 − n nᵀ)) of all `springs` to those of a block of `rows`.
+///
+/// Where both ends coincide there is no direction n, and the larger stiffness counts in all of them.
+pub(super) struct TensorSweep<'a, 'b> {
     pub(super) springs: &'a GridSprings,
     pub(super) at: Configuration<'a>,
-    pub(super) block: &'a Range<usize>,
+    pub(super) rows: Range<usize>,
     pub(super) tensors: &'a mut StiffnessTensorsMut<'b>,
+    pub(super) sweep: &'a mut Sweep,
 }
 
-impl Vectorise for AddGridTensors<'_, '_> {
+impl Vectorise for TensorSweep<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { springs, at, block, tensors } = self;
-        let Some(rows) = springs.grid.block_rows(block) else { return };
-        // Loops of its own, since a closure of theirs would not be compiled for the same instructions.
-        for group in &springs.families {
-            for row in rows.clone() {
-                for neighbour in &group.neighbours {
-                    for pair in neighbour.row_pairs(&springs.grid, row, group.lines) {
-                        let row = group.row(at, &pair, block.start, neighbour);
-                        group.law.visit(AddTensors { row, tensors: &mut *tensors });
+        let Self { springs, at, rows, tensors, sweep } = self;
+        let starts = !sweep.goes_on(&springs.grid, &rows, Swept::Tensors);
+        let Sweep { tile, kept_tensors, .. } = sweep;
+        let tile = tile.get_or_insert_with(TileMemory::new);
+        if starts {
+            start(springs, &mut tile.pulls, kept_tensors);
+        }
+        for (strip, own) in strips(&springs.grid, &rows, starts) {
+            let mut borders = [Border::default(); 6];
+            for part in Tile::of(&springs.grid, &strip) {
+                let TileMemory { springs: tile_springs, pulls, end_copies, weights, .. } = &mut **tile;
+                let has_bend_springs = springs.has_bend_springs();
+                let coordinates = end_copies.coordinates(&part, &springs.grid, at.positions);
+                let weights = weights.eval(&part, &springs.grid, at.particles);
+                tile_springs.eval_lengths(coordinates, has_bend_springs, &part);
+                let families = if has_bend_springs { 3 } else { 2 };
+                for (index, directions) in springs.swept().into_iter().enumerate().take(families) {
+                    for (direction, group) in directions.into_iter().enumerate() {
+                        tile_springs.eval_tensors([index, direction], group, &part, &springs.grid);
                     }
+                }
+                let [next, after] = &mut *kept_tensors;
+                let kept = next.entries_mut().into_iter().zip(after.entries_mut());
+                for (entry, (sums, (next, after))) in tensors.entries_mut().into_iter().zip(kept).enumerate()
+                {
+                    let axes = ENTRIES[entry].map(|axis| coordinates[axis]);
+                    pulls.begin(borders[entry]);
+                    match (entry < 3, has_bend_springs) {
+                        (true, true) => eval_entry::<true, true>(pulls, tile_springs, axes, weights, &part),
+                        (true, false) => eval_entry::<true, false>(pulls, tile_springs, axes, weights, &part),
+                        (false, true) => eval_entry::<false, true>(pulls, tile_springs, axes, weights, &part),
+                        (false, false) => {
+                            eval_entry::<false, false>(pulls, tile_springs, axes, weights, &part)
+                        }
+                    }
+                    borders[entry] = pulls.border(part.columns.len());
+                    let pending = Pending {
+                        next: &mut next[part.columns.clone()],
+                        after: &mut after[part.columns.clone()],
+                    };
+                    let sums = own.clone().map(|own| &mut sums[own]);
+                    pulls.add_to_tile(&part, springs.grid.columns, sums, pending);
                 }
             }
         }
     }
 }
 
-/// Adds the stiffness tensors w (k_a⁺ n nᵀ + c⁺ (1 − n nᵀ)) of a row of springs.
-///
-/// Where both ends coincide there is no direction n, and the larger stiffness counts in all of them.
-struct AddTensors<'a, 'b, 'c> {
-    row: SpringRow<'a>,
-    tensors: &'b mut StiffnessTensorsMut<'c>,
-}
-
-impl LawVisitor for AddTensors<'_, '_, '_> {
-    #[inline(always)]
-    fn visit<L: TensionLaw>(self, law: L) {
-        let Self { row, tensors } = self;
-        let [x, y, z] = row.positions(&row.pair.own);
-        let [other_x, other_y, other_z] = row.positions(&row.pair.other);
-        let StiffnessTensorsMut { diagonal, off_diagonal } = tensors;
-        let target = row.target();
-        add_row(
-            &row.spring(law),
-            (x, y, z),
-            (other_x, other_y, other_z),
-            &row.at.particles.pinned()[row.pair.other.clone()],
-            (
-                &mut diagonal.x[target.clone()],
-                &mut diagonal.y[target.clone()],
-                &mut diagonal.z[target.clone()],
-            ),
-            (
-                &mut off_diagonal.x[target.clone()],
-                &mut off_diagonal.y[target.clone()],
-                &mut off_diagonal.z[target],
-            ),
-        );
+/// Makes room, and begins with nothing from earlier rows.
+fn start(springs: &GridSprings, pulls: &mut Pulls, kept: &mut [StiffnessTensors; 2]) {
+    let columns = springs.grid.columns;
+    if !springs.has_bend_springs() {
+        pulls.clear_far();
     }
-}
-
-/// Adds the tensors of springs from own to other positions [m], of which the others are `pinned` or not.
-#[inline(always)]
-fn add_row<L: TensionLaw>(
-    spring: &Spring<L>,
-    (x, y, z): (&[f64], &[f64], &[f64]),
-    (other_x, other_y, other_z): (&[f64], &[f64], &[f64]),
-    pinned: &[bool],
-    (xx, yy, zz): (&mut [f64], &mut [f64], &mut [f64]),
-    (yz, xz, xy): (&mut [f64], &mut [f64], &mut [f64]),
-) {
-    let count = x.len();
-    let (y, z, pinned) = (&y[..count], &z[..count], &pinned[..count]);
-    let (other_x, other_y, other_z) = (&other_x[..count], &other_y[..count], &other_z[..count]);
-    let (xx, yy, zz) = (&mut xx[..count], &mut yy[..count], &mut zz[..count]);
-    let (yz, xz, xy) = (&mut yz[..count], &mut xz[..count], &mut xy[..count]);
-    for i in 0..count {
-        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-        let length = SpringLength::from_squared(dx * dx + dy * dy + dz * dz);
-        let [along, across] = stiffnesses(spring, length);
-        let weight = columns(pinned[i]);
-        let everywhere = weight * across;
-        let excess = weight * (along - across) * length.inverse * length.inverse;
-        xx[i] += everywhere + excess * dx * dx;
-        yy[i] += everywhere + excess * dy * dy;
-        zz[i] += everywhere + excess * dz * dz;
-        yz[i] += excess * dy * dz;
-        xz[i] += excess * dx * dz;
-        xy[i] += excess * dx * dy;
-    }
-}
-
-/// Stiffnesses [N/m] along and across a spring, zero where negative.
-#[inline(always)]
-fn stiffnesses<L: TensionLaw>(spring: &Spring<L>, at: SpringLength) -> [f64; 2] {
-    let rest_length = spring.rest_length;
-    let (tension, tangent) = spring.law.tension_and_tangent(at.length - rest_length, rest_length);
-    let [along, across] = match spring.direction {
-        ForceDirection::CurrentLength => [tangent, tension * at.inverse],
-        ForceDirection::RestLength => {
-            [(tangent * at.length + tension) * (1.0 / rest_length), tension * (1.0 / rest_length)]
+    for tensors in kept {
+        // Another grid may have had longer rows.
+        if tensors.diagonal.len() < columns {
+            *tensors = StiffnessTensors::zeros(columns);
         }
-    };
-    // Comparisons in place of `max`, which would pass over what is not a number.
-    let [along, across] = [along, across].map(|stiffness| if stiffness < 0.0 { 0.0 } else { stiffness });
-    let larger = if along < across { across } else { along };
-    [along, if at.inverse == 0.0 { larger } else { across }]
+        tensors.as_mut().clear();
+    }
+}
+
+/// Finds one entry [N/m] of the tensors of all springs in place of pulls, with the `coordinates` that it multiplies, and the
+/// `weights` of particles; `DIAGONAL` if these are the same.
+///
+/// Both ends have it with the same sign, and what pulls hold of springs from above or from the left is the opposite.
+#[inline(always)]
+fn eval_entry<const DIAGONAL: bool, const BEND: bool>(
+    pulls: &mut Pulls,
+    springs: &TileSprings,
+    coordinates: [Coordinates<'_>; 2],
+    weights: Coordinates<'_>,
+    tile: &Tile,
+) {
+    let count = tile.padded_len().min(TILE);
+    let [a, b] = coordinates.map(|coordinates| Ends::of(coordinates, count));
+    let weights = Ends::of(weights, count);
+    let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = &springs.coefficients;
+    let [[across_k, down_k], [diagonal_k, other_diagonal_k], [far_across_k, far_down_k]] =
+        &springs.stiffnesses;
+    let pulls_own = &mut pulls.own[PAD..][..count];
+    let pulls_right = &mut pulls.right[PAD..][..count];
+    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
+    let pulls_down = &mut pulls.down[PAD..][..count];
+    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
+    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
+    for i in 0..count {
+        let entry = |coefficient: f64, stiffness: f64, da: f64, db: f64| {
+            let along = coefficient * da * db;
+            if DIAGONAL { stiffness + along } else { along }
+        };
+        let (own_a, own_b, own) = (a.own[i], b.own[i], weights.own[i]);
+        let (right_a, right_b, right) = (a.right[i], b.right[i], weights.right[i]);
+        let (down_a, down_b, below) = (a.down[i], b.down[i], weights.down[i]);
+        let across = entry(across[i], across_k[i], right_a - own_a, right_b - own_b);
+        let down = entry(down[i], down_k[i], down_a - own_a, down_b - own_b);
+        let diagonal = entry(diagonal[i], diagonal_k[i], a.down_right[i] - own_a, b.down_right[i] - own_b);
+        let other_diagonal =
+            entry(other_diagonal[i], other_diagonal_k[i], down_a - right_a, down_b - right_b);
+        pulls_own[i] = right * across + below * down + weights.down_right[i] * diagonal;
+        pulls_right[i] = own * across + below * other_diagonal;
+        pulls_down[i] = -(own * down + right * other_diagonal);
+        pulls_down_right[i] = -(own * diagonal);
+        if BEND {
+            let far_across =
+                entry(far_across[i], far_across_k[i], a.far_right[i] - own_a, b.far_right[i] - own_b);
+            let far_down = entry(far_down[i], far_down_k[i], a.far_down[i] - own_a, b.far_down[i] - own_b);
+            pulls_own[i] += weights.far_right[i] * far_across + weights.far_down[i] * far_down;
+            pulls_far_right[i] = -(own * far_across);
+            pulls_far_down[i] = -(own * far_down);
+        }
+    }
 }

@@ -203,13 +203,16 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// ```
     ///
     /// (the second step for w = 2 is |a − b|² ≤ 2|a|² + 2|b|² in the norm of K_e⁺, and equal where neighbours move against
-    /// each other). Never more than `bound_i / m_i` as ‖Σ w K_e⁺‖ ≤ Σ w ‖K_e⁺‖.
+    /// each other). Never more than `bound_i / m_i` as ‖Σ w K_e⁺‖ ≤ Σ w ‖K_e⁺‖. `sweep` is what it is for
+    /// [`add_forces`](Self::add_forces).
     fn add_stiffness_tensors(
         &self,
         at: Configuration<'_>,
         block: &Range<usize>,
         tensors: &mut StiffnessTensorsMut<'_>,
+        sweep: &mut Sweep,
     ) {
+        let _ = sweep;
         // The same in all directions.
         let diagonal = &mut tensors.diagonal;
         for entries in [&mut diagonal.x, &mut diagonal.y, &mut diagonal.z] {

@@ -4,7 +4,7 @@ use super::tile::{Coordinates, TILE, Tile};
 use super::tile_springs::{Ends, TileSprings};
 
 /// Room for the springs of the last particles before a tile.
-const PAD: usize = 8;
+pub(super) const PAD: usize = 8;
 
 type Padded = [f64; PAD + TILE];
 
@@ -14,17 +14,17 @@ type Padded = [f64; PAD + TILE];
 #[repr(align(64))]
 pub(super) struct Pulls {
     /// Of all springs but the second diagonal, on the particle itself.
-    own: Padded,
+    pub(super) own: Padded,
     /// On the particle to the right.
-    right: Padded,
+    pub(super) right: Padded,
     /// On the next particle but one to the right, the opposite.
-    far_right: Padded,
+    pub(super) far_right: Padded,
     /// On the particle below, the opposite.
-    down: Padded,
+    pub(super) down: Padded,
     /// On the particle below to the right, the opposite.
-    down_right: Padded,
+    pub(super) down_right: Padded,
     /// On the particle two rows down, the opposite.
-    far_down: Padded,
+    pub(super) far_down: Padded,
 }
 
 /// The pulls along one axis [N] of the last springs of a tile on the first particles of the next in the same row.
@@ -68,14 +68,41 @@ impl Pulls {
         border: Border,
         tile: &Tile,
     ) {
-        self.right[PAD - 1] = border.right;
-        [self.far_right[PAD - 2], self.far_right[PAD - 1]] = border.far_right;
-        self.down_right[PAD - 1] = border.down_right;
+        self.begin(border);
         if has_bend_springs {
             eval_pulls::<true>(self, springs, coordinates, tile.padded_len());
         } else {
             eval_pulls::<false>(self, springs, coordinates, tile.padded_len());
         }
+    }
+
+    /// Finds the stiffness [N/m] of structural `springs` and of other families if it `varies`, in place of pulls, for particles with
+    /// the `weights` of neighbours, beside the tile that left the `border`. What is not written must be zero.
+    ///
+    /// Both ends have it with the same sign, and what pulls hold of springs from above or from the left is the opposite.
+    #[inline(always)]
+    pub(super) fn eval_bounds(
+        &mut self,
+        springs: &TileSprings,
+        varies: [bool; 3],
+        weights: Coordinates<'_>,
+        border: Border,
+        tile: &Tile,
+    ) {
+        self.begin(border);
+        match varies {
+            [_, false, false] => eval_bounds::<false, false>(self, springs, weights, tile),
+            [_, true, false] => eval_bounds::<true, false>(self, springs, weights, tile),
+            [_, false, true] => eval_bounds::<false, true>(self, springs, weights, tile),
+            [_, true, true] => eval_bounds::<true, true>(self, springs, weights, tile),
+        }
+    }
+
+    /// Begins beside the tile that left the `border`.
+    pub(super) fn begin(&mut self, border: Border) {
+        self.right[PAD - 1] = border.right;
+        [self.far_right[PAD - 2], self.far_right[PAD - 1]] = border.far_right;
+        self.down_right[PAD - 1] = border.down_right;
     }
 
     /// What the first `count` particles leave to the next tile.
@@ -89,33 +116,34 @@ impl Pulls {
         }
     }
 
-    /// Adds to `forces` all that pulls at a row of particles, which begins with number `first` of the tile, and passes on what its
-    /// springs do to later rows.
+    /// Adds to the `forces` of a strip all that pulls at the particles of a `tile`, and passes on what its springs do to later rows;
+    /// a row of the grid has `columns`.
     #[inline(always)]
-    pub(super) fn add_to_row(&self, first: usize, forces: Option<&mut [f64]>, pending: Pending<'_>) {
-        let Pending { next, after } = pending;
-        match forces {
-            Some(forces) => add_to_row(self, first, forces, next, after),
-            None => pass_down(self, first, next, after),
-        }
-    }
-
-    /// The same for the rows from the third on of a tile whose rows have `columns`, up to its particle number `count`.
-    #[inline(always)]
-    pub(super) fn add_to_rows(
+    pub(super) fn add_to_tile(
         &self,
+        tile: &Tile,
         columns: usize,
-        count: usize,
-        forces: Option<&mut [f64]>,
-        pending: Pending<'_>,
+        mut forces: Option<&mut [f64]>,
+        Pending { next, after }: Pending<'_>,
     ) {
-        if let Some(forces) = forces {
-            add_within(self, columns, forces);
+        // The first two rows get something from earlier strips, all others from this one alone.
+        let apart = tile.rows.len().min(2);
+        for row in 0..apart {
+            let first = row * columns;
+            let own = first + tile.columns.start..first + tile.columns.end;
+            match &mut forces {
+                Some(forces) => add_to_row(self, first, &mut forces[own], next, after),
+                None => pass_down(self, first, next, after),
+            }
         }
-        let Pending { next, after } = pending;
-        let last = count - columns;
-        after.copy_from_slice(&self.far_down[PAD + last - columns..][..columns]);
-        pass_down(self, last, next, after);
+        if apart < tile.rows.len() {
+            if let Some(forces) = forces {
+                add_within(self, columns, &mut forces[apart * columns..]);
+            }
+            let last = tile.len() - columns;
+            after.copy_from_slice(&self.far_down[PAD + last - columns..][..columns]);
+            pass_down(self, last, next, after);
+        }
     }
 }
 
@@ -152,6 +180,43 @@ fn eval_pulls<const BEND: bool>(
             pulls_far_right[i] = far_across;
             pulls_far_down[i] = far_below;
         }
+    }
+}
+
+#[inline(always)]
+fn eval_bounds<const SHEAR: bool, const BEND: bool>(
+    pulls: &mut Pulls,
+    springs: &TileSprings,
+    weights: Coordinates<'_>,
+    tile: &Tile,
+) {
+    let count = tile.padded_len().min(TILE);
+    let weights = Ends::of(weights, count);
+    let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = &springs.stiffnesses;
+    let pulls_own = &mut pulls.own[PAD..][..count];
+    let pulls_right = &mut pulls.right[PAD..][..count];
+    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
+    let pulls_down = &mut pulls.down[PAD..][..count];
+    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
+    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
+    for i in 0..count {
+        let (own, right, below) = (weights.own[i], weights.right[i], weights.down[i]);
+        let mut sum = right * across[i] + below * down[i];
+        if SHEAR {
+            sum += weights.down_right[i] * diagonal[i];
+            pulls_right[i] = own * across[i] + below * other_diagonal[i];
+            pulls_down[i] = -(own * down[i] + right * other_diagonal[i]);
+            pulls_down_right[i] = -(own * diagonal[i]);
+        } else {
+            pulls_right[i] = own * across[i];
+            pulls_down[i] = -(own * down[i]);
+        }
+        if BEND {
+            sum += weights.far_right[i] * far_across[i] + weights.far_down[i] * far_down[i];
+            pulls_far_right[i] = -(own * far_across[i]);
+            pulls_far_down[i] = -(own * far_down[i]);
+        }
+        pulls_own[i] = sum;
     }
 }
 

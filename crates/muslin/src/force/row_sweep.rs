@@ -6,25 +6,36 @@
 
 use std::ops::Range;
 
-use super::Configuration;
-use super::grid_springs::{GridSprings, columns};
+use super::grid_springs::{GridFamily, GridSprings};
 use super::row_sums::{Border, Pending, Pulls};
-use super::tile::{EndCopies, SHAPES, TILE, Tile};
+use super::tile::{EndCopies, TILE, Tile, Weights};
 use super::tile_springs::TileSprings;
+use super::{Configuration, StiffnessTensors};
 use crate::instructions::Vectorise;
+use crate::model::Grid;
 use crate::{Points, PointsMut};
 
 /// What forces keep from one block of particles for the next.
 ///
-/// Whoever asks for the forces of blocks in ascending order lends them one, after [`restart`](Self::restart) whenever
-/// anything has moved. It has no influence on results.
+/// Whoever asks for the forces or stiffness tensors of blocks in ascending order lends them one, after
+/// [`restart`](Self::restart) whenever anything has moved. It has no influence on results.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
-    /// First particle of the block for which something is kept, and whether that includes stiffness.
-    next: Option<(usize, bool)>,
-    tile: Option<Box<TileMemory>>,
+    /// First particle of the block for which something is kept, and of what.
+    next: Option<(usize, Swept)>,
+    pub(super) tile: Option<Box<TileMemory>>,
     /// What springs from earlier rows do to the next row, and to the one after it.
     kept: [KeptRow; 2],
+    /// The same, where it is tensors.
+    pub(super) kept_tensors: [StiffnessTensors; 2],
+}
+
+/// What is added up from the springs of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Swept {
+    Forces,
+    ForcesAndBounds,
+    Tensors,
 }
 
 impl Sweep {
@@ -32,14 +43,40 @@ impl Sweep {
     pub fn restart(&mut self) {
         self.next = None;
     }
+
+    /// Whether what it keeps is `swept` of the rows before `rows`, which are the next to be worked on.
+    pub(super) fn goes_on(&mut self, grid: &Grid, rows: &Range<usize>, swept: Swept) -> bool {
+        let before = self.next.replace((grid.particle(0, rows.end), swept));
+        // Where one grid ends the next begins, but nothing of it goes on there.
+        0 < rows.start && before == Some((grid.particle(0, rows.start), swept))
+    }
+}
+
+/// The strips of a block's `rows`, each with the places of its particles in the block: as many rows as fit into a tile, or
+/// one. Where a pass `starts`, first the rows above from which springs reach into the block, one by one, without a place.
+pub(super) fn strips(
+    grid: &Grid,
+    rows: &Range<usize>,
+    starts: bool,
+) -> impl Iterator<Item = (Range<usize>, Option<Range<usize>>)> + use<> {
+    let (start, end, columns) = (rows.start, rows.end, grid.columns);
+    let above = if starts { start.saturating_sub(2)..start } else { start..start };
+    let rows_per_strip = (TILE / columns).max(1);
+    let own = (start..end).step_by(rows_per_strip).map(move |first| {
+        let last = (first + rows_per_strip).min(end);
+        (first..last, Some((first - start) * columns..(last - start) * columns))
+    });
+    above.map(|row| (row..row + 1, None)).chain(own)
 }
 
 /// All that is computed of a tile.
 #[derive(Clone, Debug)]
-struct TileMemory {
-    springs: TileSprings,
-    pulls: Pulls,
-    end_copies: EndCopies,
+pub(super) struct TileMemory {
+    pub(super) springs: TileSprings,
+    pub(super) pulls: Pulls,
+    bound_pulls: Pulls,
+    pub(super) end_copies: EndCopies,
+    pub(super) weights: Weights,
 }
 
 /// The opposite of forces [N] on the particles of a row, and bounds [N/m] on their stiffness.
@@ -65,39 +102,37 @@ impl Vectorise for RowSweep<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let Self { springs, at, rows, forces, mut bounds, sweep } = self;
-        let grid = springs.grid;
         let is_bounded = bounds.is_some();
-        // Where one grid ends the next begins, but nothing of it goes on there.
-        let goes_on = sweep.next == Some((grid.particle(0, rows.start), is_bounded));
-        let starts = rows.start == 0 || !goes_on;
-        let Sweep { next, tile, kept } = sweep;
-        let tile = tile.get_or_insert_with(|| Box::new(TileMemory::ZERO));
+        let swept = if is_bounded { Swept::ForcesAndBounds } else { Swept::Forces };
+        let starts = !sweep.goes_on(&springs.grid, &rows, swept);
+        let Sweep { tile, kept, .. } = sweep;
+        let tile = tile.get_or_insert_with(TileMemory::new);
         let mut pass = RowPass { springs, at, tile, kept, is_bounded };
         if starts {
             pass.start();
-            // Two rows up is as far as springs reach.
-            for row in rows.start.saturating_sub(2)..rows.start {
-                pass.strip(row..row + 1, None, None);
-            }
         }
-        let rows_per_strip = (TILE / grid.columns).max(1);
-        for first in rows.clone().step_by(rows_per_strip) {
-            let strip = first..(first + rows_per_strip).min(rows.end);
-            let own = (strip.start - rows.start) * grid.columns..(strip.end - rows.start) * grid.columns;
+        for (strip, own) in strips(&springs.grid, &rows, starts) {
             let PointsMut { x, y, z } = &mut *forces;
-            let strip_forces = [x, y, z].map(|forces| &mut forces[own.clone()]);
-            let strip_bounds = bounds.as_mut().map(|bounds| &mut bounds[own.clone()]);
-            pass.strip(strip, Some(strip_forces), strip_bounds);
+            let strip_forces = own.clone().map(|own| [x, y, z].map(|forces| &mut forces[own.clone()]));
+            let strip_bounds = bounds.as_mut().zip(own).map(|(bounds, own)| &mut bounds[own]);
+            pass.strip(strip, strip_forces, strip_bounds);
         }
-        *next = Some((grid.particle(0, rows.end), is_bounded));
     }
 }
 
 impl TileMemory {
-    const ZERO: Self = Self { springs: TileSprings::ZERO, pulls: Pulls::ZERO, end_copies: EndCopies::ZERO };
+    pub(super) fn new() -> Box<Self> {
+        Box::new(Self {
+            springs: TileSprings::ZERO,
+            pulls: Pulls::ZERO,
+            bound_pulls: Pulls::ZERO,
+            end_copies: EndCopies::ZERO,
+            weights: Weights::ZERO,
+        })
+    }
 }
 
-/// One strip of rows after the other: a strip is as many rows as fit into a tile, or one.
+/// One strip after the other.
 struct RowPass<'a> {
     springs: &'a GridSprings,
     at: Configuration<'a>,
@@ -112,6 +147,9 @@ impl RowPass<'_> {
         let columns = self.springs.grid.columns;
         if !self.springs.has_bend_springs() {
             self.tile.pulls.clear_far();
+        }
+        if self.is_bounded {
+            self.tile.bound_pulls = Pulls::ZERO;
         }
         for KeptRow { forces, bounds } in &mut *self.kept {
             // Another grid may have had longer rows.
@@ -133,26 +171,21 @@ impl RowPass<'_> {
         mut forces: Option<[&mut [f64]; 3]>,
         mut bounds: Option<&mut [f64]>,
     ) {
-        let columns = self.springs.grid.columns;
-        let tiles = columns.div_ceil(TILE);
-        let mut borders = [Border::default(); 3];
-        for tile in 0..tiles {
-            let tile =
-                Tile { rows: rows.clone(), columns: tile * columns / tiles..(tile + 1) * columns / tiles };
-            let TileMemory { springs, pulls, end_copies } = &mut *self.tile;
+        let mut borders = [Border::default(); 4];
+        for tile in Tile::of(&self.springs.grid, &rows) {
+            let TileMemory { springs, pulls, bound_pulls, end_copies, weights } = &mut *self.tile;
             let grid = &self.springs.grid;
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
             let has_bend_springs = self.springs.has_bend_springs();
             springs.eval_lengths(coordinates, has_bend_springs, &tile);
+            let swept = self.springs.swept();
+            let varies = swept.map(|directions| directions.into_iter().any(varies));
             let families = if has_bend_springs { 3 } else { 2 };
-            for (index, directions) in self.springs.swept().into_iter().enumerate().take(families) {
+            for (index, directions) in swept.into_iter().enumerate().take(families) {
                 for (direction, group) in directions.into_iter().enumerate() {
-                    let place = [index, direction];
-                    if self.is_bounded && group.is_some_and(|group| !group.has_constant_stiffness()) {
-                        springs.eval_coefficients::<true>(place, group, &tile, grid);
-                    } else {
-                        springs.eval_coefficients::<false>(place, group, &tile, grid);
-                    }
+                    // Bounds are those of structural springs at least.
+                    let bounded = self.is_bounded && (index == 0 || varies[index]);
+                    springs.eval_coefficients([index, direction], group, bounded, &tile, grid);
                 }
             }
             let [next, after] = &mut *self.kept;
@@ -164,86 +197,28 @@ impl RowPass<'_> {
             for (axis, (next, after)) in kept.into_iter().enumerate() {
                 pulls.eval(springs, has_bend_springs, coordinates[axis], borders[axis], &tile);
                 borders[axis] = pulls.border(tile.columns.len());
-                let (next, after) = (&mut next[tile.columns.clone()], &mut after[tile.columns.clone()]);
-                let mut forces = forces.as_mut().map(|forces| &mut *forces[axis]);
-                // The first two rows get something from earlier strips, all others from this one alone.
-                let apart = rows.len().min(2);
-                for row in 0..apart {
-                    let own = row * columns + tile.columns.start..row * columns + tile.columns.end;
-                    let forces = forces.as_mut().map(|forces| &mut forces[own]);
-                    pulls.add_to_row(row * columns, forces, Pending { next, after });
-                }
-                if apart < rows.len() {
-                    let forces = forces.map(|forces| &mut forces[apart * columns..]);
-                    pulls.add_to_rows(columns, tile.len(), forces, Pending { next, after });
-                }
+                let pending = Pending {
+                    next: &mut next[tile.columns.clone()],
+                    after: &mut after[tile.columns.clone()],
+                };
+                let forces = forces.as_mut().map(|forces| &mut *forces[axis]);
+                pulls.add_to_tile(&tile, grid.columns, forces, pending);
             }
             if self.is_bounded {
-                for row in rows.clone() {
-                    let first = (row - rows.start) * columns;
-                    let bounds = bounds.as_mut().map(|bounds| &mut bounds[first..first + columns]);
-                    self.add_bounds(row, first, &tile, bounds);
-                }
-            }
-        }
-    }
-
-    /// Adds the stiffness of the springs of a row of a tile to the bounds of both ends, if it varies; `bounds` [N/m] are those
-    /// of the row, and `first` the number of its first spring.
-    #[inline(always)]
-    fn add_bounds(&mut self, row: usize, first: usize, tile: &Tile, mut bounds: Option<&mut [f64]>) {
-        let grid = &self.springs.grid;
-        let pinned = self.at.particles.pinned();
-        if tile.columns.start == 0 {
-            let [next, after] = &mut *self.kept;
-            if let Some(bounds) = &mut bounds {
-                add(bounds, &next.bounds);
-            }
-            std::mem::swap(&mut next.bounds, &mut after.bounds);
-            after.bounds.fill(0.0);
-        }
-        let first = if tile.rows.len() > 1 { first } else { 0 };
-        for (index, directions) in self.springs.swept().into_iter().enumerate() {
-            for (direction, (group, shape)) in directions.into_iter().zip(&SHAPES[index]).enumerate() {
-                let varies = group.is_some_and(|group| !group.has_constant_stiffness());
-                let end = tile.columns.end.min(grid.columns.saturating_sub(shape.reach()));
-                if !varies || grid.rows <= row + shape.rows || end <= tile.columns.start {
-                    continue;
-                }
-                let count = end - tile.columns.start;
-                let stiffness = &self.tile.springs.stiffnesses[index][direction][first..first + count];
-                let ends = |shift: usize, row: usize| {
-                    let column = tile.columns.start + shift;
-                    let particle = grid.particle(column, row);
-                    (column, &pinned[particle..particle + count])
+                let weights = weights.eval(&tile, grid, self.at.particles);
+                bound_pulls.eval_bounds(springs, varies, weights, borders[3], &tile);
+                borders[3] = bound_pulls.border(tile.columns.len());
+                let pending = Pending {
+                    next: &mut next.bounds[tile.columns.clone()],
+                    after: &mut after.bounds[tile.columns.clone()],
                 };
-                let (own, own_pinned) = ends(shape.own, row);
-                let (other, other_pinned) = ends(shape.other, row + shape.rows);
-                if let Some(bounds) = &mut bounds {
-                    add_weighted(&mut bounds[own..], stiffness, other_pinned);
-                    if shape.rows == 0 {
-                        add_weighted(&mut bounds[other..], stiffness, own_pinned);
-                    }
-                }
-                if shape.rows > 0 {
-                    let kept = &mut self.kept[shape.rows - 1].bounds;
-                    add_weighted(&mut kept[other..], stiffness, own_pinned);
-                }
+                bound_pulls.add_to_tile(&tile, grid.columns, bounds.as_deref_mut(), pending);
             }
         }
     }
 }
 
-/// Adds `values` to `sums`.
-#[inline(always)]
-fn add(sums: &mut [f64], values: &[f64]) {
-    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-}
-
-/// Adds the stiffness of springs to the bounds of their one ends; of the others it matters whether they are pinned.
-#[inline(always)]
-fn add_weighted(bounds: &mut [f64], stiffness: &[f64], other_pinned: &[bool]) {
-    for ((bound, stiffness), pinned) in bounds.iter_mut().zip(stiffness).zip(other_pinned) {
-        *bound += columns(*pinned) * stiffness;
-    }
+/// Whether the stiffness of springs varies with their length.
+fn varies(group: Option<&GridFamily>) -> bool {
+    group.is_some_and(|group| !group.has_constant_stiffness())
 }

@@ -121,6 +121,25 @@ impl<L: TensionLaw> Spring<L> {
         }
     }
 
+    /// Stiffnesses [N/m] along and across the spring at a length, zero where negative; the larger one in both places where its
+    /// ends coincide.
+    #[inline(always)]
+    #[must_use]
+    pub fn stiffnesses(&self, at: SpringLength) -> [f64; 2] {
+        let (tension, tangent) = self.law.tension_and_tangent(at.length - self.rest_length, self.rest_length);
+        let [along, across] = match self.direction {
+            ForceDirection::CurrentLength => [tangent, tension * at.inverse],
+            ForceDirection::RestLength => {
+                let inverse = 1.0 / self.rest_length;
+                [(tangent * at.length + tension) * inverse, tension * inverse]
+            }
+        };
+        // Comparisons in place of `max`, which would pass over what is not a number.
+        let [along, across] = [along, across].map(|stiffness| if stiffness < 0.0 { 0.0 } else { stiffness });
+        let larger = if along < across { across } else { along };
+        [along, if at.inverse == 0.0 { larger } else { across }]
+    }
+
     /// Coefficient c [N/m] of the force at a length, and the largest stiffness [N/m] in any direction, zero if all are
     /// negative: `max(k_a, c, 0)` with the axial tangent k_a.
     #[inline(always)]

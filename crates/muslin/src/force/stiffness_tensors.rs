@@ -41,6 +41,30 @@ impl StiffnessTensors {
     pub fn as_mut(&mut self) -> StiffnessTensorsMut<'_> {
         StiffnessTensorsMut { diagonal: self.diagonal.as_mut(), off_diagonal: self.off_diagonal.as_mut() }
     }
+
+    /// Exclusive access to the first `count` tensors.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn first_mut(&mut self, count: usize) -> StiffnessTensorsMut<'_> {
+        StiffnessTensorsMut {
+            diagonal: self.diagonal.slice_mut(&(0..count)),
+            off_diagonal: self.off_diagonal.slice_mut(&(0..count)),
+        }
+    }
+
+    /// The arrays of the entries xx, yy, zz, yz, xz and xy.
+    pub(super) fn entries_mut(&mut self) -> [&mut [f64]; 6] {
+        let Self { diagonal, off_diagonal } = self;
+        [
+            &mut diagonal.x,
+            &mut diagonal.y,
+            &mut diagonal.z,
+            &mut off_diagonal.x,
+            &mut off_diagonal.y,
+            &mut off_diagonal.z,
+        ]
+    }
 }
 
 /// Exclusive access to the [`StiffnessTensors`] of consecutive particles.
@@ -53,6 +77,12 @@ pub struct StiffnessTensorsMut<'a> {
 }
 
 impl StiffnessTensorsMut<'_> {
+    /// The arrays of the entries xx, yy, zz, yz, xz and xy.
+    pub(super) fn entries_mut(&mut self) -> [&mut [f64]; 6] {
+        let Self { diagonal, off_diagonal } = self;
+        [diagonal.x, diagonal.y, diagonal.z, off_diagonal.x, off_diagonal.y, off_diagonal.z]
+    }
+
     /// Makes every entry zero.
     pub fn clear(&mut self) {
         self.diagonal.fill(0.0);

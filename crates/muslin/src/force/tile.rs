@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use super::grid_springs::columns;
 use crate::Points;
-use crate::model::Grid;
+use crate::model::{Grid, Particles};
 
 /// Particles of a tile at most, so that all that is computed for it stays in a core's first-level cache.
 pub(super) const TILE: usize = 128;
@@ -48,6 +49,25 @@ pub(super) struct Tile {
 }
 
 impl Tile {
+    /// The tiles of some `rows` of `grid`, which must be one or fit into a tile, from left to right.
+    pub(super) fn of(grid: &Grid, rows: &Range<usize>) -> impl Iterator<Item = Self> + use<> {
+        let (rows, columns) = (rows.clone(), grid.columns);
+        let count = columns.div_ceil(TILE);
+        (0..count).map(move |tile| Self {
+            rows: rows.clone(),
+            columns: tile * columns / count..(tile + 1) * columns / count,
+        })
+    }
+
+    /// Particles of its own and of the two rows below that springs join to them, of `grid` or where it would have them: those
+    /// that [`Coordinates::rows`] has.
+    fn neighbourhood(&self, grid: &Grid) -> [Range<usize>; 3] {
+        let count = self.padded_len();
+        let first = grid.particle(self.columns.start, self.rows.start);
+        let [own, next, last] = [first, first + grid.columns, first + 2 * grid.columns];
+        [own..own + count + 2, next..next + count + 1, last..last + count]
+    }
+
     /// Number of its particles, at most [`TILE`].
     pub(super) fn len(&self) -> usize {
         self.rows.len() * self.columns.len()
@@ -59,21 +79,27 @@ impl Tile {
     }
 }
 
-/// One coordinate [m] of the particles of a tile and of all that springs join to them: `rows[k]` begins k rows below its first
-/// particle, and is 2 − k longer than the loops over its springs.
+/// One coordinate [m], or another number, of the particles of a tile and of all that springs join to them: `rows[k]` begins k
+/// rows below its first particle, and is 2 − k longer than the loops over its springs.
 #[derive(Clone, Copy)]
 pub(super) struct Coordinates<'a> {
     pub(super) rows: [&'a [f64]; 3],
 }
 
-/// Copies of coordinates [m] near the end of a grid, with zeros where it has no particles.
+impl<'a> Coordinates<'a> {
+    fn of_copies([own, next, last]: &'a [[f64; TILE + 2]; 3], count: usize) -> Self {
+        Self { rows: [&own[..count + 2], &next[..count + 1], &last[..count]] }
+    }
+}
+
+/// Copies of coordinates [m] near the end of a wide grid, with zeros where it has no particles.
 #[derive(Clone, Debug)]
 pub(super) struct EndCopies([[[f64; TILE + 2]; 3]; 3]);
 
 impl EndCopies {
     pub(super) const ZERO: Self = Self([[[0.0; TILE + 2]; 3]; 3]);
 
-    /// The coordinates x, y and z of a `tile` of `grid`: those in `positions`, or copies if there are too few.
+    /// The coordinates x, y and z of a `tile` of `grid`: those in `positions` with the zeros behind them, or copies if these are too few.
     #[inline(always)]
     pub(super) fn coordinates<'a>(
         &'a mut self,
@@ -81,29 +107,54 @@ impl EndCopies {
         grid: &Grid,
         positions: &'a Points,
     ) -> [Coordinates<'a>; 3] {
-        let count = tile.padded_len();
-        let first = grid.particle(tile.columns.start, tile.rows.start);
-        let [own, next, last] = [first, first + grid.columns, first + 2 * grid.columns];
-        let rows = [own..own + count + 2, next..next + count + 1, last..last + count];
-        let Points { x, y, z } = positions;
-        if rows.iter().all(|row| row.end <= x.len()) {
+        let rows = tile.neighbourhood(grid);
+        let values = positions.with_zeros_behind();
+        if rows.iter().all(|row| row.end <= values[0].len()) {
             let [own, next, last] = rows;
-            let of = |values: &'a [f64]| Coordinates {
+            return values.map(|values| Coordinates {
                 rows: [&values[own.clone()], &values[next.clone()], &values[last.clone()]],
-            };
-            return [of(x), of(y), of(z)];
+            });
         }
-        for (copies, values) in self.0.iter_mut().zip([x, y, z]) {
+        for (copies, values) in self.0.iter_mut().zip(values) {
             for (copy, row) in copies.iter_mut().zip(&rows) {
                 let there = &values[row.start.min(values.len())..row.end.min(values.len())];
                 copy[..there.len()].copy_from_slice(there);
                 copy[there.len()..row.len()].fill(0.0);
             }
         }
+        let count = tile.padded_len();
         let [x, y, z] = &self.0;
-        let of = |[own, next, last]: &'a [[f64; TILE + 2]; 3]| Coordinates {
-            rows: [&own[..count + 2], &next[..count + 1], &last[..count]],
-        };
-        [of(x), of(y), of(z)]
+        [x, y, z].map(|copies| Coordinates::of_copies(copies, count))
+    }
+}
+
+/// How many [`columns`] of their rows of the tangent neighbours fill: of the particles of a tile and of all that springs join to
+/// them.
+#[derive(Clone, Debug)]
+pub(super) struct Weights {
+    rows: [[f64; TILE + 2]; 3],
+    /// Whether they are all those of free particles.
+    are_free: bool,
+}
+
+impl Weights {
+    pub(super) const ZERO: Self = Self { rows: [[0.0; TILE + 2]; 3], are_free: false };
+
+    /// Those of a `tile` of `grid`.
+    #[inline(always)]
+    pub(super) fn eval(&mut self, tile: &Tile, grid: &Grid, particles: &Particles) -> Coordinates<'_> {
+        let pinned = particles.pinned();
+        let rows = tile.neighbourhood(grid).map(|row| row.start.min(pinned.len())..row.end.min(pinned.len()));
+        let are_free = !rows.iter().any(|row| particles.runs(row).any(|run| run.is_pinned));
+        if !(are_free && self.are_free) {
+            for (weights, row) in self.rows.iter_mut().zip(rows) {
+                weights.fill(columns(false));
+                for (weight, &is_pinned) in weights.iter_mut().zip(&pinned[row]) {
+                    *weight = columns(is_pinned);
+                }
+            }
+            self.are_free = are_free;
+        }
+        Coordinates::of_copies(&self.rows, tile.padded_len())
     }
 }

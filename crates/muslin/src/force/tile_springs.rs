@@ -9,7 +9,10 @@ use crate::model::Grid;
 
 /// Something of every spring of a tile: by family in the order of [`Family::ALL`](super::Family::ALL), direction and
 /// particle.
-type OfSprings = [[[f64; ROOM]; 2]; 3];
+type OfSprings = [[OfTile; 2]; 3];
+
+/// Something of the springs of one family and direction.
+type OfTile = [f64; ROOM];
 
 /// Not a power of two: what is a page apart, processors confuse.
 const ROOM: usize = TILE + 8;
@@ -27,9 +30,9 @@ pub(super) struct TileSprings {
     /// Squared lengths [m²].
     squares: OfSprings,
     /// First guesses of the inverse lengths [1/m], in whose place come coefficients c [N/m] of the forces: F = c d with the
-    /// vector d from end to end; zero where there is no spring.
+    /// vector d from end to end; zero where there is no spring. Or those of [tensors](Self::eval_tensors), c [N/m³].
     pub(super) coefficients: OfSprings,
-    /// Stiffness [N/m], where it varies.
+    /// Stiffness [N/m], where it varies; for tensors that across the springs, zero where there is none.
     pub(super) stiffnesses: OfSprings,
 }
 
@@ -53,32 +56,76 @@ impl TileSprings {
     }
 
     /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the law of a
-    /// `group`, and their stiffness if `BOUNDED`; without a group there are none.
+    /// `group`, and if they are `bounded` their stiffness, zero where it never varies; without a group there are none.
     #[inline(always)]
-    pub(super) fn eval_coefficients<const BOUNDED: bool>(
+    pub(super) fn eval_coefficients(
+        &mut self,
+        [index, direction]: [usize; 2],
+        group: Option<&GridFamily>,
+        bounded: bool,
+        tile: &Tile,
+        grid: &Grid,
+    ) {
+        let count = tile.padded_len();
+        let squares = &self.squares[index][direction][..count];
+        let (coefficients, stiffnesses) =
+            (&mut self.coefficients[index][direction], &mut self.stiffnesses[index][direction]);
+        let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
+        let Some((group, spring)) = spring else {
+            coefficients[..count].fill(0.0);
+            stiffnesses[..count].fill(0.0);
+            return;
+        };
+        let varies = bounded && !group.has_constant_stiffness();
+        let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
+        if varies {
+            group.law.visit(EvalCoefficients::<true> { spring, squares, arrays });
+        } else {
+            group.law.visit(EvalCoefficients::<false> { spring, squares, arrays });
+            if bounded {
+                stiffnesses[..count].fill(0.0);
+            }
+        }
+        mend(coefficients, group, [index, direction], tile, grid);
+        if varies {
+            mend(stiffnesses, group, [index, direction], tile, grid);
+        }
+    }
+
+    /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses a [N/m]
+    /// across them.
+    #[inline(always)]
+    pub(super) fn eval_tensors(
         &mut self,
         [index, direction]: [usize; 2],
         group: Option<&GridFamily>,
         tile: &Tile,
         grid: &Grid,
     ) {
-        let coefficients = &mut self.coefficients[index][direction];
-        let stiffnesses = &mut self.stiffnesses[index][direction];
         let count = tile.padded_len();
+        let squares = &self.squares[index][direction][..count];
+        let (coefficients, stiffnesses) =
+            (&mut self.coefficients[index][direction], &mut self.stiffnesses[index][direction]);
         let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
-        let Some((group, spring)) = spring else { return coefficients[..count].fill(0.0) };
-        group.law.visit(EvalCoefficients::<BOUNDED> {
-            spring,
-            squares: &self.squares[index][direction][..count],
-            coefficients: &mut coefficients[..count],
-            stiffnesses: &mut stiffnesses[..count],
-        });
-        let shape = &SHAPES[index][direction];
-        clear_absent(coefficients, shape, tile, grid);
-        if group.lines == Lines::Inner {
-            halve_edges(coefficients, shape, tile, grid);
-            halve_edges(stiffnesses, shape, tile, grid);
-        }
+        let Some((group, spring)) = spring else {
+            coefficients[..count].fill(0.0);
+            stiffnesses[..count].fill(0.0);
+            return;
+        };
+        let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
+        group.law.visit(EvalTensors { spring, squares, arrays });
+        mend(coefficients, group, [index, direction], tile, grid);
+        mend(stiffnesses, group, [index, direction], tile, grid);
+    }
+}
+
+/// Clears the `values` of what are no springs of a `group`, and halves those of springs along edges if these are half as stiff.
+#[inline(always)]
+fn mend(values: &mut OfTile, group: &GridFamily, [index, direction]: [usize; 2], tile: &Tile, grid: &Grid) {
+    let shape = &SHAPES[index][direction];
+    clear_absent(values, shape, tile, grid);
+    if group.lines == Lines::Inner {
+        halve_edges(values, shape, tile, grid);
     }
 }
 
@@ -153,14 +200,13 @@ struct EvalCoefficients<'a, const BOUNDED: bool> {
     /// But for its law.
     spring: Spring<()>,
     squares: &'a [f64],
-    coefficients: &'a mut [f64],
-    stiffnesses: &'a mut [f64],
+    arrays: (&'a mut [f64], &'a mut [f64]),
 }
 
 impl<const BOUNDED: bool> LawVisitor for EvalCoefficients<'_, BOUNDED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        let Self { spring, squares, coefficients, stiffnesses } = self;
+        let Self { spring, squares, arrays: (coefficients, stiffnesses) } = self;
         let spring = spring.with_law(law);
         if BOUNDED {
             eval_bounded(&spring, squares, coefficients, stiffnesses);
@@ -195,25 +241,55 @@ fn eval_bounded<L: TensionLaw>(
     }
 }
 
-/// Clears the `coefficients` [N/m] of what are no springs since they lead out of the grid.
+/// Finds what the stiffness tensors of springs under one law are made of.
+struct EvalTensors<'a> {
+    /// But for its law.
+    spring: Spring<()>,
+    squares: &'a [f64],
+    arrays: (&'a mut [f64], &'a mut [f64]),
+}
+
+impl LawVisitor for EvalTensors<'_> {
+    #[inline(always)]
+    fn visit<L: TensionLaw>(self, law: L) {
+        let Self { spring, squares, arrays: (coefficients, stiffnesses) } = self;
+        eval_tensors(&spring.with_law(law), squares, coefficients, stiffnesses);
+    }
+}
+
 #[inline(always)]
-fn clear_absent(coefficients: &mut [f64; ROOM], shape: &Shape, tile: &Tile, grid: &Grid) {
+fn eval_tensors<L: TensionLaw>(
+    spring: &Spring<L>,
+    squares: &[f64],
+    coefficients: &mut [f64],
+    stiffnesses: &mut [f64],
+) {
+    let count = coefficients.len();
+    let squares = &squares[..count];
+    let stiffnesses = &mut stiffnesses[..count];
+    for i in 0..count {
+        let length = SpringLength::from_guess(squares[i], coefficients[i]);
+        let [along, across] = spring.stiffnesses(length);
+        coefficients[i] = (along - across) * length.inverse * length.inverse;
+        stiffnesses[i] = across;
+    }
+}
+
+/// Clears the `values` of what are no springs since they lead out of the grid.
+#[inline(always)]
+fn clear_absent(values: &mut OfTile, shape: &Shape, tile: &Tile, grid: &Grid) {
     let columns = tile.columns.len();
     // Up to two in a row, which are not worth a call.
     let lacking = (tile.columns.end + shape.reach()).saturating_sub(grid.columns).min(columns);
     for lack in 1..=lacking {
-        coefficients[..tile.len()]
-            .iter_mut()
-            .skip(columns - lack)
-            .step_by(columns)
-            .for_each(|value| *value = 0.0);
+        values[..tile.len()].iter_mut().skip(columns - lack).step_by(columns).for_each(|value| *value = 0.0);
     }
     let below = grid.rows.saturating_sub(shape.rows).clamp(tile.rows.start, tile.rows.end);
-    coefficients[(below - tile.rows.start) * columns..tile.len()].fill(0.0);
+    values[(below - tile.rows.start) * columns..tile.len()].fill(0.0);
 }
 
 /// Halves the `values` of springs that lie along the edges of a grid: they stand for half as wide a strip of cloth.
-fn halve_edges(values: &mut [f64; ROOM], shape: &Shape, tile: &Tile, grid: &Grid) {
+fn halve_edges(values: &mut OfTile, shape: &Shape, tile: &Tile, grid: &Grid) {
     let Tile { rows, columns } = tile;
     for row in rows.clone() {
         let values = &mut values[(row - rows.start) * columns.len()..][..columns.len()];

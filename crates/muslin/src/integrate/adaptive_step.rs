@@ -1,6 +1,6 @@
 //! The self-adaptive time step.
 
-use super::StableStep;
+use super::{StableStep, StableSteps};
 use crate::state::{Motion, StepMemory};
 
 /// Share of the guaranteed stable step [1] that is taken where the stiffness can change.
@@ -57,6 +57,7 @@ impl Default for StepMemory {
             peak_kinetic_energy: 0.0,
             fastest: None,
             fastest_age: 0,
+            fastest_lasts: StableSteps::LASTS[0],
             is_unsteady: [false; 2],
             motion: None,
         }

@@ -2,21 +2,13 @@
 
 use std::ops::Range;
 
+use super::Workers;
 use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
-use super::{SplitArrays, Workers};
-use crate::force::{Configuration, StiffnessTensors, StiffnessTensorsMut};
+use super::workers::for_each_block;
+use crate::force::{Configuration, StiffnessTensors, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
 use crate::{Model, State};
-
-impl SplitArrays for StiffnessTensorsMut<'_> {
-    fn split_arrays(self, count: usize) -> (Self, Self) {
-        let (diagonal, diagonal_rest) = self.diagonal.split_at(count);
-        let (off_diagonal, off_diagonal_rest) = self.off_diagonal.split_at(count);
-        let rest = Self { diagonal: diagonal_rest, off_diagonal: off_diagonal_rest };
-        (Self { diagonal, off_diagonal }, rest)
-    }
-}
 
 /// A step [s] that is stable for certain at the state's time and positions, by the stiffness of every particle in its
 /// stiffest direction; +∞ if nothing is stiff.
@@ -28,7 +20,7 @@ impl SplitArrays for StiffnessTensorsMut<'_> {
 /// with λ_i of [`Force::add_stiffness_tensors`](crate::force::Force::add_stiffness_tensors) and γ as in
 /// [`guaranteed_stable_step`](super::guaranteed_stable_step). It is never shorter than that one but for 1e-6 of it, and
 /// the [`largest_stable_step`](super::largest_stable_step) itself for a large flat grid of squares without bend springs;
-/// it costs about as much as five steps. In other shapes it is another one even if all springs are linear.
+/// it costs about as much as two steps. In other shapes it is another one even if all springs are linear.
 #[must_use]
 pub fn block_stable_step(model: &Model, state: &State) -> f64 {
     let stiffness = BlockBound::default().eval(&Workers::single(), model, state, &[]);
@@ -43,7 +35,8 @@ pub fn block_stable_step(model: &Model, state: &State) -> f64 {
 /// Memory for the bound, and for what corrects the cheaper one until it is evaluated again.
 #[derive(Debug, Default)]
 pub(super) struct BlockBound {
-    tensors: StiffnessTensors,
+    /// One per thread.
+    helpers: Vec<Helper>,
     /// What the varying stiffness bounds [N/m] have to be raised by, less than zero at most places.
     corrections: Vec<f64>,
 }
@@ -54,25 +47,22 @@ impl BlockBound {
     /// `varying` are the varying stiffness bounds [N/m] there, one per particle, which [`rates`](Self::rates) will
     /// correct by what they differ now; empty if nothing varies.
     pub(super) fn eval(&mut self, workers: &Workers, model: &Model, state: &State, varying: &[f64]) -> f64 {
-        let count = state.positions.len();
-        if self.tensors.diagonal.len() != count {
-            self.tensors = StiffnessTensors::zeros(count);
-        }
-        self.corrections.resize(count, 0.0);
+        self.corrections.resize(state.positions.len(), 0.0);
+        self.helpers.resize_with(workers.count(), Helper::default);
         let at = configuration(model, state);
-        let eval_block =
-            |block: &Range<usize>, (mut tensors, corrections): (StiffnessTensorsMut<'_>, &mut [f64])| {
-                eval_block(model, at, block, &mut tensors, corrections);
+        let eval_band = |blocks: &[Range<usize>], corrections: &mut [f64], helper: &mut Helper| {
+            helper.sweep.restart();
+            let eval_block = |block: &Range<usize>, corrections: &mut [f64]| {
+                helper.eval(model, at, block, corrections);
                 let largest = largest_rate(at.particles, block, corrections);
-                for (correction, bound) in
-                    corrections.iter_mut().zip(varying.get(block.clone()).unwrap_or_default())
-                {
-                    *correction -= bound;
-                }
+                let varying = varying.get(block.clone()).unwrap_or_default();
+                corrections.iter_mut().zip(varying).for_each(|(correction, bound)| *correction -= bound);
                 largest
             };
-        let arrays = (self.tensors.as_mut(), self.corrections.as_mut_slice());
-        workers.for_blocks(model.blocks(), arrays, &eval_block, &larger).unwrap_or(0.0)
+            for_each_block(blocks, corrections, eval_block, larger)
+        };
+        let corrections = self.corrections.as_mut_slice();
+        workers.for_bands(model.blocks(), corrections, &mut self.helpers, &eval_band, &larger).unwrap_or(0.0)
     }
 
     /// The largest of bound / mass [1/s²] over the free particles of `block`, where the varying stiffness bounds have
@@ -81,6 +71,30 @@ impl BlockBound {
         let corrections = self.corrections.get(block.clone());
         let particles = model.particles();
         model.instructions().run(LargestRates { particles, block, varying, corrections })
+    }
+}
+
+/// What a thread works with.
+#[derive(Debug, Default)]
+struct Helper {
+    sweep: Sweep,
+    /// Of one block.
+    tensors: StiffnessTensors,
+}
+
+impl Helper {
+    /// Overwrites `eigenvalues` [N/m] of a block with the largest ones of the stiffness tensors.
+    fn eval(&mut self, model: &Model, at: Configuration<'_>, block: &Range<usize>, eigenvalues: &mut [f64]) {
+        let Self { sweep, tensors } = self;
+        if tensors.diagonal.len() < block.len() {
+            *tensors = StiffnessTensors::zeros(block.len());
+        }
+        let mut tensors = tensors.first_mut(block.len());
+        tensors.clear();
+        for force in model.forces() {
+            force.add_stiffness_tensors(at, block, &mut tensors, sweep);
+        }
+        tensors.eval_largest_eigenvalues(model.instructions(), eigenvalues);
     }
 }
 
@@ -103,13 +117,9 @@ impl Vectorise for LargestRates<'_> {
         for run in particles.runs(block).filter(|run| !run.is_pinned) {
             let own = run.particles.start - block.start..run.particles.end - block.start;
             let varying = &varying[own.clone()];
-            let uncorrected = largest_in_lanes(varying, |_, bound| bound);
-            let corrected = match corrections {
-                Some(corrections) => {
-                    let corrections = &corrections[own][..varying.len()];
-                    largest_in_lanes(varying, |i, bound| bound + corrections[i])
-                }
-                None => uncorrected,
+            let [uncorrected, corrected] = match corrections {
+                Some(corrections) => largest_in_lanes(varying, &corrections[own]),
+                None => [largest_in_lanes(varying, varying)[0]; 2],
             };
             rates = [larger(rates[0], uncorrected / run.mass), larger(rates[1], corrected / run.mass)];
         }
@@ -117,33 +127,32 @@ impl Vectorise for LargestRates<'_> {
     }
 }
 
-/// The largest `term(index, value)` of `values`, and zero at least; NaN if any is.
+/// The largest of `bounds`, and of bounds and `corrections` together, and zero at least; NaN if any is.
 #[inline(always)]
-fn largest_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
-    let mut lanes = [0.0_f64; 8];
-    let chunks = values.chunks_exact(8);
-    let rest = chunks.remainder();
-    for (chunk_index, chunk) in chunks.enumerate() {
-        for lane in 0..8 {
-            lanes[lane] = larger(lanes[lane], term(8 * chunk_index + lane, chunk[lane]));
+fn largest_in_lanes(bounds: &[f64], corrections: &[f64]) -> [f64; 2] {
+    const LANES: usize = 8;
+    let raised = |largest: f64, value: f64| if largest < value { value } else { largest };
+    let (mut uncorrected, mut corrected) = ([0.0; LANES], [0.0; LANES]);
+    // Comparisons pass over what is not a number, a sum does not.
+    let mut sums = [0.0; LANES];
+    let (bounds, bounds_rest) = bounds.as_chunks::<LANES>();
+    let (corrections, corrections_rest) = corrections.as_chunks::<LANES>();
+    for (bounds, corrections) in bounds.iter().zip(corrections) {
+        for lane in 0..LANES {
+            let sum = bounds[lane] + corrections[lane];
+            uncorrected[lane] = raised(uncorrected[lane], bounds[lane]);
+            corrected[lane] = raised(corrected[lane], sum);
+            sums[lane] += sum;
         }
     }
-    let done = values.len() - rest.len();
-    let rest = rest.iter().enumerate().map(|(offset, &value)| term(done + offset, value));
-    rest.chain(lanes).fold(0.0, larger)
-}
-
-/// Overwrites `eigenvalues` [N/m] of a block with the largest ones of the stiffness tensors.
-fn eval_block(
-    model: &Model,
-    at: Configuration<'_>,
-    block: &Range<usize>,
-    tensors: &mut StiffnessTensorsMut<'_>,
-    eigenvalues: &mut [f64],
-) {
-    tensors.clear();
-    for force in model.forces() {
-        force.add_stiffness_tensors(at, block, tensors);
+    for (lane, (bound, correction)) in bounds_rest.iter().zip(corrections_rest).enumerate() {
+        let sum = bound + correction;
+        uncorrected[lane] = raised(uncorrected[lane], *bound);
+        corrected[lane] = raised(corrected[lane], sum);
+        sums[lane] += sum;
     }
-    tensors.eval_largest_eigenvalues(model.instructions(), eigenvalues);
+    if sums.iter().any(|sum| sum.is_nan()) {
+        return [f64::NAN; 2];
+    }
+    [uncorrected, corrected].map(|lanes| lanes.into_iter().fold(0.0, raised))
 }

@@ -7,7 +7,8 @@ use super::limits::Limiter;
 use super::motion::{MoveBlock, Moved, Steps, combined};
 use super::pins::place_pins;
 use super::stability::{configuration, larger, largest_damping_rate, stable_step};
-use super::{Integrator, SplitArrays, StableStep, StepError, StepTo, Workers};
+use super::workers::for_each_block;
+use super::{Integrator, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
 use crate::model::Particles;
 use crate::scene::Start;
@@ -140,19 +141,20 @@ impl CentralDifference {
         self.workers.for_blocks(model.blocks(), bounds, &eval_block, &larger).unwrap_or(0.0)
     }
 
+    /// Moves all particles of `state`, whose positions and velocities are those of `from` if there is one.
     fn move_all(
         &mut self,
         model: &Model,
         state: &mut State,
-        step: f64,
-        time: f64,
-        is_measured: bool,
+        from: Option<&State>,
+        StepTo { step, time, is_measured }: StepTo,
     ) -> Result<Motion, StepError> {
         let steps = Steps { last: state.last_step, next: step };
         let forces = &self.forces;
         let move_block = |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
             let particles = model.particles();
-            let task = MoveBlock { particles, steps, block, positions, velocities, forces, is_measured };
+            let task =
+                MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
             model.instructions().run(task)
         };
         let arrays = (state.positions.as_mut(), state.velocities.as_mut());
@@ -198,12 +200,13 @@ impl CentralDifference {
             && !self.forces.is_empty()
     }
 
-    /// Moves all particles and calls `eval` for the forces where they arrive, block after block, so that what one half
-    /// leaves in a core's caches the other finds there.
+    /// Moves all particles as [`move_all`](Self::move_all) does and calls `eval` for the forces where they arrive, block after
+    /// block, so that what one half leaves in a core's caches the other finds there.
     fn move_and_eval(
         &mut self,
         model: &Model,
         state: &mut State,
+        from: Option<&State>,
         to: StepTo,
         mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
     ) -> Result<Motion, StepError> {
@@ -220,7 +223,8 @@ impl CentralDifference {
                 let positions = state.positions.slice_mut(block);
                 let velocities = state.velocities.slice_mut(block);
                 let is_measured = to.is_measured;
-                let task = MoveBlock { particles, steps, block, positions, velocities, forces, is_measured };
+                let task =
+                    MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
                 moved.push(model.instructions().run(task));
             }
             if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {
@@ -232,6 +236,14 @@ impl CentralDifference {
             moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
         }
     }
+}
+
+/// Leaves `state` in `before`, from which its particles are then to be moved.
+fn left_behind<'a>(state: &mut State, before: Option<&'a mut State>) -> Option<&'a State> {
+    before.map(|before| {
+        state.leave_in(before);
+        &*before
+    })
 }
 
 /// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
@@ -296,24 +308,6 @@ fn eval_block_and_bounds(
     }
 }
 
-/// Calls `work` with each of `blocks` and what belongs to it of `arrays`, in ascending order, after a restart of `sweep`;
-/// the largest results.
-fn for_each_block<A: SplitArrays>(
-    blocks: &[Range<usize>],
-    mut arrays: A,
-    sweep: &mut Sweep,
-    mut work: impl FnMut(&Range<usize>, A, &mut Sweep) -> [f64; 2],
-) -> [f64; 2] {
-    sweep.restart();
-    let mut largest = [0.0; 2];
-    for block in blocks {
-        let (own, rest) = arrays.split_arrays(block.len());
-        largest = larger_rates(largest, work(block, own, sweep));
-        arrays = rest;
-    }
-    largest
-}
-
 /// The larger ones of rates by norms and by blocks.
 fn larger_rates(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [larger(a[0], b[0]), larger(a[1], b[1])]
@@ -324,10 +318,10 @@ impl Integrator for CentralDifference {
         self.next_forces(state.positions.len());
         let at = configuration(model, state);
         let eval_band = |blocks: &[Range<usize>], forces: PointsMut<'_>, sweep: &mut Sweep| {
-            for_each_block(blocks, forces, sweep, |block, forces, sweep| {
-                eval_block(model, at, block, forces, sweep);
-                [0.0; 2]
-            });
+            sweep.restart();
+            let eval_block =
+                |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces, sweep);
+            for_each_block(blocks, forces, eval_block, |(), ()| ());
         };
         let sweeps = &mut self.sweeps;
         self.workers.for_bands(model.blocks(), self.forces.as_mut(), sweeps, &eval_band, &|(), ()| ());
@@ -347,10 +341,12 @@ impl Integrator for CentralDifference {
         let at = configuration(model, state);
         let block_bound = &self.block_bound;
         let eval_band = |blocks: &[Range<usize>], arrays: (PointsMut<'_>, &mut [f64]), sweep: &mut Sweep| {
-            for_each_block(blocks, arrays, sweep, |block, (forces, bounds), sweep| {
+            sweep.restart();
+            let eval_block = |block: &Range<usize>, (forces, bounds): (PointsMut<'_>, &mut [f64])| {
                 eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
                 block_bound.rates(model, block, bounds)
-            })
+            };
+            for_each_block(blocks, arrays, eval_block, larger_rates)
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
         let sweeps = &mut self.sweeps;
@@ -364,13 +360,20 @@ impl Integrator for CentralDifference {
         stable_step(stiffness, damping)
     }
 
-    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError> {
+    fn step_to(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        before: Option<&mut State>,
+        to: StepTo,
+    ) -> Result<Motion, StepError> {
+        let from = left_behind(state, before);
         if !self.can_take_one_pass(model) {
-            let motion = to.moved(self, model, state);
+            let motion = self.move_all(model, state, from, to);
             self.eval_forces(model, state);
             return motion;
         }
-        let motion = self.move_and_eval(model, state, to, |at, block, forces, sweep| {
+        let motion = self.move_and_eval(model, state, from, to, |at, block, forces, sweep| {
             eval_block(model, at, block, forces, sweep);
         });
         if model.depends_on_velocity() {
@@ -383,18 +386,20 @@ impl Integrator for CentralDifference {
         &mut self,
         model: &Model,
         state: &mut State,
+        before: Option<&mut State>,
         to: StepTo,
         constant_stiffness: f64,
     ) -> (Result<Motion, StepError>, StableStep) {
+        let from = left_behind(state, before);
         if !self.can_take_one_pass(model) {
-            let motion = to.moved(self, model, state);
+            let motion = self.move_all(model, state, from, to);
             return (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness));
         }
         let mut bounds = std::mem::take(&mut self.stiffness_bounds);
         bounds.resize(state.positions.len(), 0.0);
         let block_bound = std::mem::take(&mut self.block_bound);
         let mut largest = [0.0; 2];
-        let motion = self.move_and_eval(model, state, to, |at, block, forces, sweep| {
+        let motion = self.move_and_eval(model, state, from, to, |at, block, forces, sweep| {
             let bounds = &mut bounds[block.clone()];
             eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
             largest = larger_rates(largest, block_bound.rates(model, block, bounds));
@@ -404,7 +409,7 @@ impl Integrator for CentralDifference {
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
-        self.move_all(model, state, step, time, false).map(|_| ())
+        self.move_all(model, state, None, StepTo { step, time, is_measured: false }).map(|_| ())
     }
 
     fn move_and_measure(
@@ -414,7 +419,7 @@ impl Integrator for CentralDifference {
         step: f64,
         time: f64,
     ) -> Result<Motion, StepError> {
-        self.move_all(model, state, step, time, true)
+        self.move_all(model, state, None, StepTo { step, time, is_measured: true })
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {

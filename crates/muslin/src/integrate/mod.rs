@@ -80,11 +80,18 @@ pub trait Integrator: Send {
 
     /// Moves `state` as [`move_by`](Self::move_by) does, or if `is_measured` as [`move_and_measure`](Self::move_and_measure),
     /// and then [evaluates the forces](Self::eval_forces), with the same bits; a method may do both in one pass over the
-    /// particles. What is not measured is zero.
+    /// particles. What is not measured is zero. What `state` was before is left in `before`, if there is one: whoever takes the
+    /// step back swaps them.
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).
-    fn step_to(&mut self, model: &Model, state: &mut State, to: StepTo) -> Result<Motion, StepError>;
+    fn step_to(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        before: Option<&mut State>,
+        to: StepTo,
+    ) -> Result<Motion, StepError>;
 
     /// [`step_to`](Self::step_to) and the stable step at its end, as
     /// [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) has it.
@@ -92,6 +99,7 @@ pub trait Integrator: Send {
         &mut self,
         model: &Model,
         state: &mut State,
+        before: Option<&mut State>,
         to: StepTo,
         constant_stiffness: f64,
     ) -> (Result<Motion, StepError>, StableStep);
@@ -142,23 +150,6 @@ pub struct StepTo {
     pub time: f64,
     /// Whether the energies of the motion are asked for.
     pub is_measured: bool,
-}
-
-impl StepTo {
-    /// Moves `state` by the step.
-    fn moved(
-        self,
-        integrator: &mut (impl Integrator + ?Sized),
-        model: &Model,
-        state: &mut State,
-    ) -> Result<Motion, StepError> {
-        let Self { step, time, is_measured } = self;
-        if is_measured {
-            integrator.move_and_measure(model, state, step, time)
-        } else {
-            integrator.move_by(model, state, step, time).map(|()| Motion::default())
-        }
-    }
 }
 
 /// Why a step failed.

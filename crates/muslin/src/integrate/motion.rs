@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use crate::instructions::Vectorise;
-use crate::model::Particles;
+use crate::model::{ParticleStretch, Particles};
 use crate::points::dot_in_lanes;
-use crate::{Motion, Points, PointsMut};
+use crate::{Motion, Points, PointsMut, State};
 
 /// The sizes of the step that led here and of the next one [s].
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(super) struct Steps {
 }
 
 /// What turns velocity and force of a particle into its next velocity.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Factors {
     velocity: f64,
     force: f64,
@@ -50,6 +50,8 @@ impl Moved {
 
 /// Moves the particles of `block`, and measures their motion if asked to.
 pub(super) struct MoveBlock<'a, 'b> {
+    /// The state of all particles from which they move, where it is not the one that is overwritten.
+    pub(super) from: Option<&'a State>,
     pub(super) particles: &'a Particles,
     pub(super) steps: Steps,
     pub(super) block: &'a Range<usize>,
@@ -67,65 +69,199 @@ impl Vectorise for MoveBlock<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Moved {
-        let Self { particles, steps, block, positions, velocities, forces, is_measured } = self;
+        let Self { from, particles, steps, block, positions, velocities, forces, is_measured } = self;
+        let [x, y, z] = match from {
+            Some(State { positions, velocities, .. }) => {
+                [(&positions.x, &velocities.x), (&positions.y, &velocities.y), (&positions.z, &velocities.z)]
+                    .map(|(positions, velocities)| {
+                        Some((&positions[block.clone()], &velocities[block.clone()]))
+                    })
+            }
+            None => [None; 3],
+        };
+        let mut axes = [
+            Axis {
+                from: x,
+                positions: positions.x,
+                velocities: velocities.x,
+                forces: &forces.x[block.clone()],
+            },
+            Axis {
+                from: y,
+                positions: positions.y,
+                velocities: velocities.y,
+                forces: &forces.y[block.clone()],
+            },
+            Axis {
+                from: z,
+                positions: positions.z,
+                velocities: velocities.z,
+                forces: &forces.z[block.clone()],
+            },
+        ];
         let mut moved = Moved { is_finite: true, motion: Motion::default() };
-        for run in particles.runs(block) {
-            let own = run.particles.start - block.start..run.particles.end - block.start;
-            let [x, y, z] = [&mut *velocities.x, &mut *velocities.y, &mut *velocities.z]
-                .map(|velocities| &mut velocities[own.clone()]);
-            if run.is_pinned {
-                [x, y, z].into_iter().for_each(|velocities| velocities.fill(0.0));
-                continue;
+        if is_measured {
+            moved.motion.power_before = power(particles, block, &axes, false);
+        }
+        for stretch in particles.stretches(block) {
+            let mut others = [Factors::default(); ParticleStretch::MAX_OTHERS];
+            for (factors, other) in others.iter_mut().zip(stretch.others) {
+                *factors = Factors::new(other.mass, other.drag, steps);
             }
-            let factors = Factors::new(run.mass, run.drag, steps);
-            let [force_x, force_y, force_z] =
-                [&forces.x, &forces.y, &forces.z].map(|forces| &forces[run.particles.clone()]);
-            if is_measured {
-                moved.motion.power_before +=
-                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
+            let factors = (Factors::new(stretch.mass, stretch.drag, steps), &others);
+            for axis in &mut axes {
+                moved.is_finite &= axis.move_stretch(&stretch, block.start, factors, steps.next);
             }
-            moved.is_finite &= move_run(
-                (&mut positions.x[own.clone()], &mut positions.y[own.clone()], &mut positions.z[own]),
-                (&mut *x, &mut *y, &mut *z),
-                (force_x, force_y, force_z),
-                factors,
-                steps.next,
-            );
-            if is_measured {
-                moved.motion.power_after +=
-                    dot_in_lanes(force_x, x) + dot_in_lanes(force_y, y) + dot_in_lanes(force_z, z);
-                moved.motion.kinetic_energy +=
-                    0.5 * run.mass * (dot_in_lanes(x, x) + dot_in_lanes(y, y) + dot_in_lanes(z, z));
-            }
+        }
+        if is_measured {
+            moved.motion.power_after = power(particles, block, &axes, true);
+            moved.motion.kinetic_energy = kinetic_energy(particles, block, &axes);
         }
         moved
     }
 }
 
-/// Moves equal particles by `step` [s]; whether all positions stay finite.
+/// One coordinate of the particles of a block.
+struct Axis<'a> {
+    /// Positions and velocities from which they move, where these are not overwritten.
+    from: Option<(&'a [f64], &'a [f64])>,
+    positions: &'a mut [f64],
+    velocities: &'a mut [f64],
+    forces: &'a [f64],
+}
+
+impl Axis<'_> {
+    /// Velocities before anything moves.
+    fn velocities_before(&self) -> &[f64] {
+        self.from.map_or(&*self.velocities, |(_, velocities)| velocities)
+    }
+
+    /// Moves the particles of a `stretch` by `step` [s], in a block that begins with particle `first`; whether all positions stay
+    /// finite. The `factors` are those of most particles, and of all others.
+    #[inline(always)]
+    fn move_stretch(
+        &mut self,
+        stretch: &ParticleStretch<'_>,
+        first: usize,
+        (most, others): (Factors, &[Factors; ParticleStretch::MAX_OTHERS]),
+        step: f64,
+    ) -> bool {
+        let own = stretch.particles.start - first..stretch.particles.end - first;
+        let others = stretch.others.iter().map(|other| (other.particle - first, other.is_pinned)).zip(others);
+        let mut before = [(0.0, 0.0); ParticleStretch::MAX_OTHERS];
+        for (before, ((at, _), _)) in before.iter_mut().zip(others.clone()) {
+            *before = match self.from {
+                Some((positions, velocities)) => (positions[at], velocities[at]),
+                None => (self.positions[at], self.velocities[at]),
+            };
+        }
+        let mut is_finite = if stretch.is_pinned {
+            self.rest(own.clone());
+            true
+        } else {
+            let (positions, velocities) =
+                (&mut self.positions[own.clone()], &mut self.velocities[own.clone()]);
+            let forces = &self.forces[own.clone()];
+            match self.from {
+                Some((from, from_velocities)) => {
+                    let from = (&from[own.clone()], &from_velocities[own.clone()]);
+                    move_from(from, positions, velocities, forces, most, step)
+                }
+                None => move_in_place(positions, velocities, forces, most, step),
+            }
+        };
+        // They have been moved as if they were like most.
+        for ((position, velocity), ((at, is_pinned), factors)) in before.into_iter().zip(others) {
+            (self.positions[at], self.velocities[at]) = if is_pinned {
+                (position, 0.0)
+            } else {
+                let velocity = factors.velocity * velocity + factors.force * self.forces[at];
+                (position + step * velocity, velocity)
+            };
+            is_finite &= self.positions[at].is_finite();
+        }
+        is_finite || self.positions[own].iter().all(|position| position.is_finite())
+    }
+
+    /// Leaves the pins of a range where they are.
+    fn rest(&mut self, own: Range<usize>) {
+        self.velocities[own.clone()].fill(0.0);
+        if let Some((positions, _)) = self.from {
+            self.positions[own.clone()].copy_from_slice(&positions[own]);
+        }
+    }
+}
+
+/// Σ F · v [W] over the free particles of a block, with their velocities before they move or, if `is_after`, after that.
 #[inline(always)]
-fn move_run(
-    (x, y, z): (&mut [f64], &mut [f64], &mut [f64]),
-    (velocity_x, velocity_y, velocity_z): (&mut [f64], &mut [f64], &mut [f64]),
-    (force_x, force_y, force_z): (&[f64], &[f64], &[f64]),
+fn power(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>; 3], is_after: bool) -> f64 {
+    let mut power = 0.0;
+    for run in particles.runs(block).filter(|run| !run.is_pinned) {
+        let own = run.particles.start - block.start..run.particles.end - block.start;
+        let mut sum = 0.0;
+        for axis in axes {
+            let velocities = if is_after { &*axis.velocities } else { axis.velocities_before() };
+            sum += dot_in_lanes(&axis.forces[own.clone()], &velocities[own.clone()]);
+        }
+        power += sum;
+    }
+    power
+}
+
+/// ½ Σ m v² [J] over the free particles of a block.
+#[inline(always)]
+fn kinetic_energy(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>; 3]) -> f64 {
+    let mut energy = 0.0;
+    for run in particles.runs(block).filter(|run| !run.is_pinned) {
+        let own = run.particles.start - block.start..run.particles.end - block.start;
+        let mut squares = 0.0;
+        for axis in axes {
+            let velocities = &axis.velocities[own.clone()];
+            squares += dot_in_lanes(velocities, velocities);
+        }
+        energy += 0.5 * run.mass * squares;
+    }
+    energy
+}
+
+/// Moves equal particles along one axis by `step` [s]; whether all positions stay finite.
+#[inline(always)]
+fn move_in_place(
+    positions: &mut [f64],
+    velocities: &mut [f64],
+    forces: &[f64],
     factors: Factors,
     step: f64,
 ) -> bool {
-    let count = x.len();
-    let (y, z) = (&mut y[..count], &mut z[..count]);
-    let (velocity_x, velocity_y) = (&mut velocity_x[..count], &mut velocity_y[..count]);
-    let velocity_z = &mut velocity_z[..count];
-    let (force_x, force_y, force_z) = (&force_x[..count], &force_y[..count], &force_z[..count]);
+    let count = positions.len();
+    let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
     let mut finite = true;
     for i in 0..count {
-        velocity_x[i] = factors.velocity * velocity_x[i] + factors.force * force_x[i];
-        velocity_y[i] = factors.velocity * velocity_y[i] + factors.force * force_y[i];
-        velocity_z[i] = factors.velocity * velocity_z[i] + factors.force * force_z[i];
-        x[i] += step * velocity_x[i];
-        y[i] += step * velocity_y[i];
-        z[i] += step * velocity_z[i];
-        // Finite unless one of them is not, or close to overflow.
-        finite &= (x[i] + y[i] + z[i]).is_finite();
+        velocities[i] = factors.velocity * velocities[i] + factors.force * forces[i];
+        positions[i] += step * velocities[i];
+        finite &= positions[i].is_finite();
+    }
+    finite
+}
+
+/// The same with the same bits, from other positions and velocities.
+#[inline(always)]
+fn move_from(
+    (from, from_velocities): (&[f64], &[f64]),
+    positions: &mut [f64],
+    velocities: &mut [f64],
+    forces: &[f64],
+    factors: Factors,
+    step: f64,
+) -> bool {
+    let count = positions.len();
+    let (from, from_velocities) = (&from[..count], &from_velocities[..count]);
+    let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
+    let mut finite = true;
+    for i in 0..count {
+        velocities[i] = factors.velocity * from_velocities[i] + factors.force * forces[i];
+        positions[i] = from[i] + step * velocities[i];
+        finite &= positions[i].is_finite();
     }
     finite
 }

@@ -108,6 +108,23 @@ fn for_bands<A: SplitArrays, H: Send, R: Send>(
     combine(first, second)
 }
 
+/// Calls `work` with each of `blocks` and what belongs to it of `arrays`, in ascending order; combines its results, beginning
+/// with the default.
+pub(super) fn for_each_block<A: SplitArrays, R: Default>(
+    blocks: &[Range<usize>],
+    mut arrays: A,
+    mut work: impl FnMut(&Range<usize>, A) -> R,
+    combine: impl Fn(R, R) -> R,
+) -> R {
+    let mut result = R::default();
+    for block in blocks {
+        let (own, rest) = arrays.split_arrays(block.len());
+        result = combine(result, work(block, own));
+        arrays = rest;
+    }
+    result
+}
+
 /// Mutable arrays with one entry per particle, which are cut into blocks.
 pub trait SplitArrays: Send + Sized {
     /// The first `count` entries of each array, and the rest.

@@ -11,7 +11,7 @@ mod surface;
 use std::ops::Range;
 
 pub use grid::Grid;
-pub use particles::{ParticleRun, Particles};
+pub use particles::{OtherParticle, ParticleRun, ParticleStretch, Particles};
 pub use pin_motion::{KeyframePath, MovingPins, PinMotion, SinePath};
 pub use surface::{Surface, SurfaceGrid};
 

@@ -13,6 +13,9 @@ pub struct Particles {
     drags: Vec<f64>,
     pinned: Vec<bool>,
     runs: Vec<ParticleRun>,
+    stretches: Vec<Stretch>,
+    /// Of all stretches, ascending.
+    others: Vec<OtherParticle>,
 }
 
 /// Consecutive particles with the same constants.
@@ -28,7 +31,57 @@ pub struct ParticleRun {
     pub is_pinned: bool,
 }
 
+/// Consecutive particles of which all but a few have the same constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticleStretch<'a> {
+    /// The particles.
+    pub particles: Range<usize>,
+    /// Mass m [kg] of most.
+    pub mass: f64,
+    /// Linear drag k_d [kg/s] of most.
+    pub drag: f64,
+    /// Whether most are pinned.
+    pub is_pinned: bool,
+    /// The others in ascending order, [`MAX_OTHERS`](Self::MAX_OTHERS) at most.
+    pub others: &'a [OtherParticle],
+}
+
+/// A particle whose constants are not those of its stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OtherParticle {
+    /// Its index.
+    pub particle: usize,
+    /// Mass m [kg].
+    pub mass: f64,
+    /// Linear drag k_d [kg/s].
+    pub drag: f64,
+    /// Whether it is pinned.
+    pub is_pinned: bool,
+}
+
+/// Particles that are alike but for so many `others`.
+#[derive(Clone, Debug, PartialEq)]
+struct Stretch {
+    alike: ParticleRun,
+    others: usize,
+}
+
+impl ParticleStretch<'_> {
+    /// Most others in one.
+    pub const MAX_OTHERS: usize = 32;
+}
+
+impl ParticleRun {
+    /// Whether its constants are those of `other`.
+    fn is_like(&self, other: &Self) -> bool {
+        self.mass == other.mass && self.drag == other.drag && self.is_pinned == other.is_pinned
+    }
+}
+
 impl Particles {
+    /// Shortest run that is no exception in another one.
+    const LONG_RUN: usize = 8;
+
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -75,7 +128,35 @@ impl Particles {
         })
     }
 
-    /// Finds the runs, once all particles and pins are there.
+    /// The particles of `block` in ascending order, in stretches of mostly equal ones: longer than runs where edges of a cloth
+    /// or pins lie between.
+    pub fn stretches(&self, block: &Range<usize>) -> impl Iterator<Item = ParticleStretch<'_>> + '_ {
+        let block = block.clone();
+        let first = self.stretches.partition_point(|stretch| stretch.alike.particles.end <= block.start);
+        let stretches = self.stretches[first..].iter();
+        let stretches = stretches.take_while({
+            let end = block.end;
+            move |stretch| stretch.alike.particles.start < end
+        });
+        stretches.flat_map(move |Stretch { alike, .. }| {
+            let Range { start, end } = alike.particles;
+            let (mut start, end) = (start.max(block.start), end.min(block.end));
+            let place = |particle: usize| self.others.partition_point(|other| other.particle < particle);
+            let mut others = &self.others[place(start)..place(end)];
+            std::iter::from_fn(move || {
+                if start == end {
+                    return None;
+                }
+                let (own, rest) = others.split_at(others.len().min(ParticleStretch::MAX_OTHERS));
+                let particles = start..rest.first().map_or(end, |other| other.particle);
+                (start, others) = (particles.end, rest);
+                let ParticleRun { mass, drag, is_pinned, .. } = *alike;
+                Some(ParticleStretch { particles, mass, drag, is_pinned, others: own })
+            })
+        })
+    }
+
+    /// Finds the runs and stretches, once all particles and pins are there.
     pub(crate) fn find_runs(&mut self) {
         self.runs.clear();
         for particle in 0..self.len() {
@@ -89,6 +170,35 @@ impl Particles {
                     let particles = particle..particle + 1;
                     self.runs.push(ParticleRun { particles, mass, drag, is_pinned });
                 }
+            }
+        }
+        self.find_stretches();
+    }
+
+    /// Finds the stretches, once the runs are there.
+    fn find_stretches(&mut self) {
+        self.stretches.clear();
+        self.others.clear();
+        for run in &self.runs {
+            let count = run.particles.len();
+            match self.stretches.last_mut() {
+                Some(Stretch { alike, .. }) if run.is_like(alike) => alike.particles.end = run.particles.end,
+                // What is twice as rare as the rest.
+                Some(Stretch { alike, others })
+                    if count < Self::LONG_RUN && 3 * (*others + count) <= alike.particles.len() + count =>
+                {
+                    alike.particles.end = run.particles.end;
+                    *others += count;
+                    let ParticleRun { mass, drag, is_pinned, .. } = *run;
+                    let particles = run.particles.clone();
+                    self.others.extend(particles.map(|particle| OtherParticle {
+                        particle,
+                        mass,
+                        drag,
+                        is_pinned,
+                    }));
+                }
+                _ => self.stretches.push(Stretch { alike: run.clone(), others: 0 }),
             }
         }
     }

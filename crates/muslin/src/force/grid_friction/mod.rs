@@ -230,6 +230,7 @@ impl Force for GridFriction {
         at: Configuration<'_>,
         block: &Range<usize>,
         tensors: &mut StiffnessTensorsMut<'_>,
+        _sweep: &mut Sweep,
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
         let mut stops = Stops::empty();
