@@ -57,6 +57,8 @@ pub(crate) enum Command {
     Fit(FitArguments),
     /// Measure a fabric on a virtual instrument: what goes in must come out
     Lab(LabArguments),
+    /// Measure two fabrics on all virtual instruments, side by side, on a page
+    Compare(CompareArguments),
     /// Recompute the figures and claims of the paper behind muslin, on a page
     Reproduce(ReproduceArguments),
 }
@@ -188,6 +190,28 @@ impl LabArguments {
             None => YarnName::Warp,
         }
     }
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct CompareArguments {
+    /// Fabric of the library, as `muslin fabric list` has it, or a TOML file with a measured fabric
+    #[arg(value_name = "A")]
+    pub(crate) first: String,
+    /// The fabric to compare with it, named the same way
+    #[arg(value_name = "B")]
+    pub(crate) second: String,
+    /// Yarns along which specimens are cut; both if left out. Of no effect on `bias` and `picture-frame`
+    #[arg(long, value_name = "YARNS")]
+    pub(crate) along: Option<YarnName>,
+    /// Cells of the specimens between their clamps
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    pub(crate) cells: usize,
+    /// Folder to write; `out/compare-A-B` if left out
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace what an earlier comparison wrote into the folder
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// Name of a virtual instrument.

@@ -5,6 +5,7 @@
 
 mod args;
 mod check;
+mod compare;
 mod error;
 mod fabric;
 mod fabric_import;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Fabric(FabricCommand::Import { file, name }) => fabric_import::import(file, name.as_deref()),
         Command::Fit(arguments) => fit::fit(arguments),
         Command::Lab(arguments) => lab::lab(arguments),
+        Command::Compare(arguments) => compare::compare(arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments),
     };
     match result {

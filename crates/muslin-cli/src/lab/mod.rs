@@ -6,6 +6,7 @@ mod fabric;
 mod files;
 mod sheet;
 
+use std::fmt;
 use std::io::{self, Write, stdout};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,7 @@ use crate::args::{InstrumentName, LabArguments, YarnName};
 use crate::error::CliError;
 use crate::folder::{Folder, Owner};
 use crate::report::shell_word;
-use fabric::NamedFabric;
+pub(crate) use fabric::NamedFabric;
 
 /// The values, and the file that tells what the folder holds.
 const VALUES: &str = "lab.json";
@@ -54,22 +55,32 @@ impl Test {
 
 /// Measures a fabric and writes the folder.
 pub(crate) fn lab(arguments: &LabArguments) -> Result<(), CliError> {
-    let resolution = Resolution::new(arguments.cells)
-        .map_err(|error| CliError::input(error, "choose another number with `--cells N`"))?;
+    let resolution = resolution(arguments.cells)?;
     let fabric = NamedFabric::read(&arguments.fabric)?;
     let instrument = instrument(arguments.instrument);
-    let along = match arguments.along() {
-        YarnName::Warp => Along::Warp,
-        YarnName::Weft => Along::Weft,
-    };
+    let along = arguments.along().into();
     let path = arguments.out.clone().unwrap_or_else(|| default_folder(instrument, &fabric.name, along));
     let folder = Folder::create(&path, arguments.force, &OWNER)?;
     let measured = instrument.measure(&fabric.fabric, along, resolution);
-    let measurement = measured.map_err(|error| failed(&error)).inspect_err(|_| folder.discard())?;
+    let measurement = measured.map_err(|error| failed(&error, &error)).inspect_err(|_| folder.discard())?;
     let test = Test { instrument, fabric, along, resolution, measurement };
     let files = files::files(&test).map_err(|error| CliError::write(&path, &error));
     folder.write(&files.inspect_err(|_| folder.discard())?)?;
     CliError::print(report(&test, &path))
+}
+
+/// The resolution of `cells` between clamps.
+pub(crate) fn resolution(cells: usize) -> Result<Resolution, CliError> {
+    Resolution::new(cells).map_err(|error| CliError::input(error, "choose another number with `--cells N`"))
+}
+
+impl From<YarnName> for Along {
+    fn from(name: YarnName) -> Self {
+        match name {
+            YarnName::Warp => Self::Warp,
+            YarnName::Weft => Self::Weft,
+        }
+    }
 }
 
 fn instrument(name: InstrumentName) -> Instrument {
@@ -88,8 +99,9 @@ fn default_folder(instrument: Instrument, fabric: &str, along: Along) -> PathBuf
     Path::new("out").join(if instrument.has_yarns() { format!("{name}-{}", along.name()) } else { name })
 }
 
-/// What is wrong with the fabric is bad input; a specimen that does not come to rest is a failure.
-fn failed(error: &LabError) -> CliError {
+/// An error of an instrument, told as `message`: what is wrong with the fabric is bad input; a specimen that does not come to
+/// rest is a failure.
+pub(crate) fn failed(error: &LabError, message: impl fmt::Display) -> CliError {
     let help = match error {
         LabError::NotAtRest { .. } => "try another number of cells with `--cells N`",
         LabError::OutOfReach { .. } => {
@@ -100,8 +112,8 @@ fn failed(error: &LabError) -> CliError {
         _ => "choose another fabric or instrument",
     };
     match error {
-        LabError::NotAtRest { .. } => CliError::failed(error, help),
-        _ => CliError::input(error, help),
+        LabError::NotAtRest { .. } => CliError::failed(message, help),
+        _ => CliError::input(message, help),
     }
 }
 

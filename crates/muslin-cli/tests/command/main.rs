@@ -2,6 +2,7 @@
 
 mod bad_output;
 mod bad_scene;
+mod comparison;
 mod data_files;
 mod fitting;
 mod interruptions;
