@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
+use super::friction::bending_moments;
 use super::reading::{Reading, Record, Unit};
 use super::specimen::{Cut, Specimen};
 use super::{Along, LabError, Resolution};
-use crate::scene::MeasuredFabric;
+use crate::scene::{BendingFriction, MeasuredFabric};
 use crate::statics::Slide;
 
 /// Length between the clamps and width [m]. The instrument takes 20 cm; nothing varies across it, and a part stands for it.
@@ -65,7 +66,9 @@ pub fn bend(fabric: &MeasuredFabric, along: Along, resolution: Resolution) -> Re
         bench.specimen.accept(curvature);
         curve.push([curvature, moment]);
     }
-    let input = curve.iter().map(|point| rigidity * point[0]).collect();
+    let friction = friction_of(fabric, along);
+    let moments = bending_moments(friction, curve.iter().map(|point| point[0]));
+    let input = curve.iter().zip(moments).map(|(point, moment)| rigidity * point[0] + moment).collect();
     let (back, end) = (2 * STEPS, 4 * STEPS);
     let at = |step: i32| curve[step as usize];
     let side = |near: i32, far: i32| (at(far)[1] - at(near)[1]) / (at(far)[0] - at(near)[0]);
@@ -73,10 +76,6 @@ pub fn bend(fabric: &MeasuredFabric, along: Along, resolution: Resolution) -> Re
     let [right, left] = [at(LOOP)[1] - at(back - LOOP)[1], at(end - LOOP)[1] - at(back + LOOP)[1]];
     let hysteresis = 0.5 * (right + left);
     let reading = |name, what, unit, measured, input| Reading { name, what, unit, measured, input };
-    let friction = match along {
-        Along::Warp => fabric.friction.warp_bend,
-        Along::Weft => fabric.friction.weft_bend,
-    };
     let given = friction.map_or(0.0, |friction| 2.0 * friction.moment);
     let readings = vec![
         reading("B", "bending rigidity", Unit::RIGIDITY, measured, Some(rigidity)),
@@ -91,6 +90,14 @@ pub(super) fn rigidity_of(fabric: &MeasuredFabric, along: Along) -> f64 {
     match along {
         Along::Warp => fabric.bending.warp,
         Along::Weft => fabric.bending.weft,
+    }
+}
+
+/// Friction in bending of a fabric along given yarns, if it has any.
+pub(super) fn friction_of(fabric: &MeasuredFabric, along: Along) -> Option<BendingFriction> {
+    match along {
+        Along::Warp => fabric.friction.warp_bend,
+        Along::Weft => fabric.friction.weft_bend,
     }
 }
 

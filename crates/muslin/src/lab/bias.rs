@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
 
+use super::friction::shear_angle;
 use super::reading::{Reading, Record, Unit};
 use super::specimen::{Cut, Specimen};
 use super::tensile::law;
@@ -50,7 +51,8 @@ pub struct BiasTest {
 /// 1/E₄₅ = ¼ (1/E₁ + 1/E₂ − 2 ν₁₂/E₁) + 1/(4 G)        EB5 ≈ T / 4 G
 /// ```
 ///
-/// where the second is what FAST takes. At 4 % strain the yarns have
+/// where the second is what FAST takes. With friction in shear, what holds counts to the G of the first, and the second is
+/// EB5 ≈ ½ γ, with the shear angle γ at which the fabric as new has the shear stress ½ T. At 4 % strain the yarns have
 /// turned towards the pull, and EB5 is about 5 % less than by E₄₅.
 ///
 /// # Errors
@@ -76,7 +78,8 @@ pub fn bias(fabric: &MeasuredFabric, resolution: Resolution) -> Result<BiasTest,
     let shear_modulus = shear_modulus_from_bias_extension(extension);
     let reading =
         |name, what, unit, measured, input| Reading { name, what, unit, measured, input: Some(input) };
-    let linear = TENSION / (4.0 * fabric.shear_modulus);
+    // In a square whose diagonal is pulled the shear stress is half of the tension, and the strain half of the angle.
+    let linear = 0.5 * shear_angle(fabric, 0.5 * TENSION);
     let readings = vec![
         reading("E45", "modulus at small strain", Unit::plain("N/m"), modulus, bias_modulus(fabric)),
         reading("EB5", "strain at 5 gf/cm", Unit::PERCENT, extension, linear),
@@ -85,20 +88,21 @@ pub fn bias(fabric: &MeasuredFabric, resolution: Resolution) -> Result<BiasTest,
             "shear modulus, 123 / EB5",
             Unit::plain("N/m per rad"),
             shear_modulus,
-            fabric.shear_modulus,
+            shear_modulus_from_bias_extension(linear),
         ),
     ];
     let record = bench.specimen.into_record();
     Ok(BiasTest { curve, extension, modulus, shear_modulus, readings, record })
 }
 
-/// E₄₅ [N/m] of `fabric` at rest, whose coupling C₁₂ is G.
+/// E₄₅ [N/m] of `fabric` at rest, whose coupling C₁₂ is G; friction in shear holds there.
 fn bias_modulus(fabric: &MeasuredFabric) -> f64 {
     let [warp, weft] = [&fabric.warp, &fabric.weft].map(|tension| law(tension).tangent(0.0, 1.0));
-    let shear = fabric.shear_modulus;
-    let determinant = warp * weft - shear * shear;
+    let coupling = fabric.elastic_shear_modulus();
+    let shear = coupling + fabric.friction.shear.map_or(0.0, |friction| friction.stiffness);
+    let determinant = warp * weft - coupling * coupling;
     // 1/E₁ = C₂₂ / det, 1/E₂ = C₁₁ / det, ν₁₂/E₁ = C₁₂ / det.
-    4.0 / ((weft + warp - 2.0 * shear) / determinant + 1.0 / shear)
+    4.0 / ((weft + warp - 2.0 * coupling) / determinant + 1.0 / shear)
 }
 
 /// The square, held at one corner, the opposite one kept on the diagonal.

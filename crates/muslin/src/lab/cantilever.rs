@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::bend::rigidity_of;
+use super::bend::{friction_of, rigidity_of};
+use super::elastica::HeavyStrip;
 use super::reading::{Reading, Record, Unit};
 use super::specimen::{Cut, Specimen};
 use super::{Along, LabError, Resolution};
@@ -45,6 +46,13 @@ pub struct CantileverTest {
 /// Pushes a strip of `fabric` along the yarns `along` over an edge until its tip is 41.5° below, as ASTM D1388 and ISO 9073-7
 /// do. Half of the overhang is the bending length.
 ///
+/// Of a fabric without friction, c = (B / ρ g)^(1/3) goes in. Friction holds the strip as well; then half of the overhang goes in
+/// that a strip as new has by its law, and the rigidity from it:
+///
+/// ```text
+/// M = B κ + min(B_f κ, M_f)    dM/ds = −ρ g (L − s) cos θ    dθ/ds = κ
+/// ```
+///
 /// # Errors
 /// See [`LabError`].
 pub fn cantilever(
@@ -69,9 +77,10 @@ pub fn cantilever(
     let rigidity = rigidity_from_bending_length(fabric.areal_density, bending_length);
     let reading =
         |name, what, unit, measured, input| Reading { name, what, unit, measured, input: Some(input) };
+    let [given_length, given_rigidity] = strip.given();
     let readings = vec![
-        reading("c", "bending length", Unit::LENGTH, bending_length, strip.bending_length),
-        reading("B", "bending rigidity from it", Unit::RIGIDITY, rigidity, rigidity_of(fabric, along)),
+        reading("c", "bending length", Unit::LENGTH, bending_length, given_length),
+        reading("B", "bending rigidity from it", Unit::RIGIDITY, rigidity, given_rigidity),
     ];
     Ok(CantileverTest { curve, bending_length, rigidity, readings, record: strip.specimen.into_record() })
 }
@@ -137,6 +146,17 @@ impl<'f> Strip<'f> {
         let mut strip = Self { fabric, along, cells, bending_length, overhang, specimen };
         strip.settle()?;
         Ok(strip)
+    }
+
+    /// Bending length [m] and rigidity from it [N m] by the law of the fabric.
+    fn given(&self) -> [f64; 2] {
+        let (rigidity, areal_density) = (rigidity_of(self.fabric, self.along), self.fabric.areal_density);
+        let Some(friction) = friction_of(self.fabric, self.along) else {
+            return [self.bending_length, rigidity];
+        };
+        let strip = HeavyStrip { weight: areal_density * STANDARD_GRAVITY, rigidity, friction };
+        let bending_length = 0.5 * strip.overhang(ANGLE);
+        [bending_length, rigidity_from_bending_length(areal_density, bending_length)]
     }
 
     /// Lets the strip come to rest with another `overhang` [m]: from its shape before, made larger.

@@ -29,7 +29,9 @@
 mod bend;
 mod bias;
 mod cantilever;
+mod elastica;
 mod error;
+mod friction;
 mod instrument;
 mod picture_frame;
 mod reading;

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::DVec3;
 
+use super::friction::shear_stresses;
 use super::reading::{Reading, Record, Unit};
 use super::specimen::{Cut, Specimen};
 use super::{Along, LabError, Resolution};
@@ -43,6 +44,12 @@ pub struct PictureFrameTest {
 /// F = Σ F_i · ∂x_i/∂γ / (L sin(¼ π − ½ γ))        τ = F sin(¼ π − ½ γ) / L        F = 2 G L sin ½ γ / sin(¼ π − ½ γ)
 /// ```
 ///
+/// the last being the law of a fabric without friction. With friction f along sin γ it is
+///
+/// ```text
+/// F = (2 G_el sin ½ γ + f cos γ) L / sin(¼ π − ½ γ)
+/// ```
+///
 /// # Errors
 /// See [`LabError`].
 pub fn picture_frame(fabric: &MeasuredFabric, resolution: Resolution) -> Result<PictureFrameTest, LabError> {
@@ -73,24 +80,37 @@ pub fn picture_frame(fabric: &MeasuredFabric, resolution: Resolution) -> Result<
             edge.map(|(i, j)| specimen.holding_force(specimen.particle(i, j)).dot(place(i, j, rates))).sum();
         curve.push([angle, work / (SIDE * corner_sine(angle))]);
     }
-    let shear_modulus = fabric.shear_modulus;
-    let input = curve
-        .iter()
-        .map(|&[angle, _]| 2.0 * shear_modulus * SIDE * libm::sin(0.5 * angle) / corner_sine(angle));
-    let input = input.collect();
-    let [before, after] = READ.map(|place| {
-        let [angle, force] = curve[place];
-        [angle, force * corner_sine(angle) / SIDE]
-    });
-    let modulus = (after[1] - before[1]) / (after[0] - before[0]);
+    let input = input(fabric, &curve);
+    let modulus = chord(&curve, |place| curve[place][1]);
+    // The chord of the law is the modulus, less γ² / 24 of it, where there is no friction.
+    let given = fabric.friction.shear.map_or(fabric.shear_modulus, |_| chord(&curve, |place| input[place]));
     let readings = vec![Reading {
         name: "G",
         what: "shear modulus up to 2°",
         unit: Unit::SHEAR,
         measured: modulus,
-        input: Some(shear_modulus),
+        input: Some(given),
     }];
     Ok(PictureFrameTest { curve, input, modulus, readings, record: specimen.into_record() })
+}
+
+/// Force [N] by the law of `fabric` at the angles of `curve`, on the way from each to the next.
+fn input(fabric: &MeasuredFabric, curve: &[[f64; 2]]) -> Vec<f64> {
+    let elastic = fabric.elastic_shear_modulus();
+    let angles = || curve.iter().map(|point| point[0]);
+    let stresses = shear_stresses(fabric.friction.shear, angles());
+    let force =
+        |(angle, stress)| (2.0 * elastic * libm::sin(0.5 * angle) + stress) * SIDE / corner_sine(angle);
+    angles().zip(stresses).map(force).collect()
+}
+
+/// Slope [N/m per radian] of the shear force per side up to 2°, with the force at the corners [N] at each place of `curve`.
+fn chord(curve: &[[f64; 2]], force: impl Fn(usize) -> f64) -> f64 {
+    let [before, after] = READ.map(|place| {
+        let angle = curve[place][0];
+        [angle, force(place) * corner_sine(angle) / SIDE]
+    });
+    (after[1] - before[1]) / (after[0] - before[0])
 }
 
 /// Directions of the frame's sides, turned by half of the `angle` [rad] towards each other.

@@ -71,7 +71,8 @@ pub struct Reading {
     pub unit: Unit,
     /// What the instrument measured.
     pub measured: f64,
-    /// What the fabric was given; `None` where that is no property of the fabric.
+    /// What the fabric was given, or by the law that it was given what the instrument would read of it as new; `None` where that
+    /// is no property of the fabric.
     pub input: Option<f64>,
 }
 

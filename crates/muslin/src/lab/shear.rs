@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::friction::shear_stresses;
 use super::reading::{Reading, Record, Unit};
 use super::specimen::{Cut, Specimen};
 use super::{Along, LabError, Resolution};
@@ -60,7 +61,7 @@ pub struct ShearTest {
 /// With the force F of the clamp along its way, and the angle φ of the yarns between the clamps, the shear force per width is
 ///
 /// ```text
-/// F_s = F / width − T tan φ        given: F_s = G φ
+/// F_s = F / width − T tan φ        given: F_s = G φ, with friction f along sin φ: G_el φ + f cos φ
 /// ```
 ///
 /// since the clamp under the tension T comes nearer as it slides. Springs shear by G sin φ (1 + ⅝ a² sin² φ) in cells of
@@ -88,7 +89,9 @@ pub fn shear(fabric: &MeasuredFabric, along: Along, resolution: Resolution) -> R
     let [modulus, whole_modulus] = [&curve, &all].map(|curve| slope(curve));
     let [hysteresis, hysteresis_at_5] = [NEAR, AT_5].map(|place| width(&curve, place));
     let shear_modulus = fabric.shear_modulus;
-    let input = curve.iter().map(|&[angle, _]| shear_modulus * angle).collect();
+    let elastic = fabric.elastic_shear_modulus();
+    let stresses = shear_stresses(fabric.friction.shear, curve.iter().map(|point| point[0]));
+    let input = curve.iter().zip(stresses).map(|(point, stress)| elastic * point[0] + stress).collect();
     let unit = Unit::SHEAR;
     let reading = |name, what, unit, measured, input| Reading { name, what, unit, measured, input };
     let given = |degrees: f64| {

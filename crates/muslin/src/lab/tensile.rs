@@ -1,11 +1,12 @@
 //! The tensile test of KES-FB1.
 
+use super::friction::FrictionPath;
 use super::reading::Unit;
 use super::specimen::{Cut, Specimen};
 use super::{Along, LabError, Reading, Record, Resolution};
 use crate::force::{SpringLaw, TensionLaw};
 use crate::scene::units::GRAM_FORCE_PER_CM;
-use crate::scene::{MeasuredFabric, MembraneTension};
+use crate::scene::{MeasuredFabric, MembraneTension, TensionFriction};
 
 /// Tension per width [N/m] at which the instrument turns back: 500 gf/cm.
 const TENSILE_FORCE: f64 = 500.0 * GRAM_FORCE_PER_CM;
@@ -100,7 +101,7 @@ pub fn tensile(
     let given = friction.map_or(1.0, |friction| friction.resilience(tension_of(fabric, along), last));
     let readings = readings(&law, last, given, [extension, linearity, work, resilience]);
     let record = bench.specimen.into_record();
-    let input = curve.iter().map(|point| law.tension(point[0], 1.0)).collect();
+    let input = tensions(&law, friction, curve.iter().map(|point| point[0]));
     Ok(TensileTest { curve, input, turn, extension, linearity, work, resilience, readings, record })
 }
 
@@ -153,6 +154,23 @@ impl Bench {
         }
         Ok(strain)
     }
+}
+
+/// Tension per width [N/m] of a fabric that is loaded along `law`, on the way from each of `strains` [1] to the next.
+fn tensions(
+    law: &SpringLaw,
+    friction: Option<TensionFriction>,
+    strains: impl Iterator<Item = f64>,
+) -> Vec<f64> {
+    let Some(TensionFriction { ratio, stiffness }) = friction else {
+        return strains.map(|strain| law.tension(strain, 1.0)).collect();
+    };
+    let mut path = FrictionPath::new(stiffness);
+    let tension = |strain: f64| {
+        let elastic = law.tension(strain, 1.0) / (1.0 + ratio);
+        elastic + path.stress(strain, ratio * elastic.max(0.0))
+    };
+    strains.map(tension).collect()
 }
 
 /// ∫ T de [J/m²] along a curve, by Simpson's rule for unequal steps; over a last odd step by the trapezium.
