@@ -100,7 +100,7 @@ fn rows(trial: &Trial) -> Vec<Row> {
     let along = trial.test.along;
     let Some(measured) = trial.outcomes.iter().find_map(|outcome| outcome.as_ref().ok()) else {
         let values = [0, 1].map(|fabric| value(&trial.outcomes[fabric], 0));
-        return vec![Row { along, name: "", what: "no result", unit: Unit::ONE, values }];
+        return vec![Row { along, name: "", what: "no result", unit: Unit::plain(""), values }];
     };
     let readings = measured.readings.iter().enumerate();
     let row = |(index, reading): (usize, &Reading)| {

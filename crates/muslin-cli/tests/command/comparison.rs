@@ -140,6 +140,9 @@ fn what_a_fabric_lacks_is_told() {
     assert!(work.text("out/index.html").contains("<td>no bending rigidity</td>"));
     let outcome = work.muslin("compare limp.toml limp.toml --along warp --cells 4 --out limp");
     outcome.assert_success();
+    let line = outcome.stdout.lines().find(|line| line.contains("no result")).expect("a line");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert_eq!(words.join(" "), "warp no result stretches too far stretches too far –");
     assert!(!exists(work.path("limp/bend-warp.svg")) && exists(work.path("limp/shear-warp.svg")));
 }
 

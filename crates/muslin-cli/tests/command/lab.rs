@@ -51,6 +51,33 @@ fn a_file_is_a_fabric_too() {
     }
 }
 
+/// A fabric with friction is compared to what it should read with it: the force of the frame on its way up and back, but for rounding.
+#[test]
+fn friction_is_in_what_readings_are_compared_to() {
+    let work = Work::new();
+    let suiting = work.muslin("fabric show typical-suiting").stdout;
+    let plain = "{ g_gf_per_cm_deg = 0.575 }";
+    assert!(suiting.contains(plain), "{suiting}");
+    let friction = "{ g_gf_per_cm_deg = 0.575, 2hg_gf_per_cm = 0.9, 2hg5_gf_per_cm = 1.8 }";
+    work.write("friction.toml", suiting.replace(plain, friction));
+    work.muslin("lab picture-frame friction.toml --cells 4 --out out").assert_success();
+    let values: serde_json::Value = serde_json::from_slice(&work.read("out/lab.json")).expect("JSON");
+    let reading = &values["readings"][0];
+    let [measured, input] = ["measured", "input"].map(|key| reading[key].as_f64().expect("a number"));
+    assert!((measured / input - 1.0).abs() < 1e-9, "{reading}");
+    // 0.575 gf/(cm deg) in N/m; half of 2HG holds up to 0.5° and slips from there to 2°.
+    assert!(1.2 * 32.31 < input && input < 1.5 * 32.31, "{reading}");
+    let curve = work.text("out/curve.csv");
+    let rows: Vec<Vec<f64>> = curve
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect())
+        .collect();
+    let largest = rows.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
+    assert!(rows.iter().all(|row| (row[1] - row[2]).abs() < 1e-9 * largest), "{curve}");
+    assert!(rows.last().is_some_and(|last| last[1] < -0.01 * largest), "friction pulls back at 0°: {curve}");
+}
+
 #[test]
 fn bad_input_is_told() {
     let work = Work::with_scene(&[]);
