@@ -38,9 +38,15 @@ impl FabricText {
         }
         text.line(&format!("\n[fabric.{name}.shear]"));
         text.slope("modulus", "N/m per radian", fit.shear.as_ref().map(|fit| (fit.slope, &fit.outcome)));
+        if let Some(shear) = &fit.shear
+            && shear.shear_friction().is_some()
+        {
+            text.result("2hg", "N/m", "2HG", &shear.outcome);
+            text.result("2hg5", "N/m", "2HG5", &shear.outcome);
+        }
         text.line(&format!("\n[fabric.{name}.bend]"));
         for direction in [Direction::Warp, Direction::Weft] {
-            text.slope(direction.name(), "N m", of(&fit.bending[direction as usize]));
+            text.bending(direction, fit.bending[direction as usize].as_ref());
         }
         match fit.bias() {
             Some(bias) => {
@@ -49,7 +55,6 @@ impl FabricText {
             }
             None => text.line("# bias = ...  # not determined: see below"),
         }
-        text.friction(fit);
         text.notes(fit);
         text
     }
@@ -65,20 +70,64 @@ impl FabricText {
 
     fn tension(&mut self, name: &str, direction: Direction, fit: Option<&TensionFit>) {
         self.line(&format!("\n[fabric.{name}.{direction}]"));
-        let Some(TensionFit { tension, outcome }) = fit else {
+        let Some(fit) = fit else {
             self.line("# modulus = ...  # not determined: see below");
             return;
         };
-        if let MembraneTension::Curve(curve) = tension {
-            let table = format!("{name}-{direction}.csv");
-            let points = curve.points().len();
-            self.line(&format!("curve = \"{table}\"  # {points} points; from {}", outcome.file));
-            self.tables.push((table, table_text(curve, outcome)));
-            return;
+        let TensionFit { tension, outcome } = fit;
+        let has_friction = fit.friction().is_some();
+        match tension {
+            MembraneTension::Curve(curve) => {
+                let table = format!("{name}-{direction}.csv");
+                let points = curve.points().len();
+                self.line(&format!("curve = \"{table}\"  # {points} points; from {}", outcome.file));
+                self.tables.push((table, table_text(curve, outcome)));
+            }
+            MembraneTension::Tangent { .. } if has_friction => self.tangent_with_friction(fit),
+            _ => self.parameters(&outcome.parameters, outcome),
         }
-        for Parameter { name, unit, estimate, .. } in &outcome.parameters {
-            let key = name.replace(' ', "_");
-            self.value(&key, estimate.value, &comment(unit, *estimate, outcome));
+        if has_friction {
+            self.result("rt", "", "RT", outcome);
+        }
+    }
+
+    /// The tangent law by a point of it in place of its modulus: RT of a fabric that stiffens is that up to some tension.
+    fn tangent_with_friction(&mut self, TensionFit { tension, outcome }: &TensionFit) {
+        let [modulus, others @ ..] = &outcome.parameters[..] else { return };
+        if let Some(extension) = outcome.parameter("EMT") {
+            let force = tension.tension(extension.value);
+            self.value("emt", extension.value, &format!("largest strain; from {}", outcome.file));
+            self.value("force", force, "N/m, of the law there");
+        }
+        let estimate = modulus.estimate;
+        self.line(&format!(
+            "# modulus at rest {} {}",
+            rounded(estimate.value),
+            comment(modulus.unit, estimate, outcome)
+        ));
+        self.parameters(others, outcome);
+    }
+
+    fn parameters(&mut self, parameters: &[Parameter], outcome: &Outcome) {
+        for Parameter { name, unit, estimate, .. } in parameters {
+            self.value(&name.replace(' ', "_"), estimate.value, &comment(unit, *estimate, outcome));
+        }
+    }
+
+    fn bending(&mut self, direction: Direction, fit: Option<&SlopeFit>) {
+        let Some(fit) = fit.filter(|fit| fit.bending_friction().is_some()) else {
+            self.slope(direction.name(), "N m", fit.map(|fit| (fit.slope, &fit.outcome)));
+            return;
+        };
+        self.slope(&format!("{direction}.rigidity"), "N m", Some((fit.slope, &fit.outcome)));
+        self.result(&format!("{direction}.2hb"), "N", "2HB", &fit.outcome);
+    }
+
+    /// What follows from the data under the letters `symbol`, if anything does.
+    fn result(&mut self, key: &str, unit: &str, symbol: &str, outcome: &Outcome) {
+        match outcome.parameter(symbol) {
+            Some(result) => self.value(key, result.value, &comment(unit, result, outcome)),
+            None => self.line(&format!("# {key} = ...  # not determined: see below")),
         }
     }
 
@@ -86,27 +135,6 @@ impl FabricText {
         match fit {
             Some((slope, outcome)) => self.value(key, slope.value, &comment(unit, slope, outcome)),
             None => self.line(&format!("# {key} = ...  # not determined: see below")),
-        }
-    }
-
-    /// Friction, which is measured but no key of a fabric: all of it in one place.
-    fn friction(&mut self, fit: &FabricFit) {
-        const SYMBOLS: [&str; 4] = ["RT", "2HG", "2HG5", "2HB"];
-        let widths: Vec<String> = fit
-            .outcomes()
-            .flat_map(|outcome| {
-                let results = outcome.results.iter().filter(|result| SYMBOLS.contains(&result.symbol));
-                results.map(|result| {
-                    let what = result.symbol;
-                    let along = outcome.direction.map_or(String::new(), |direction| format!(" {direction}"));
-                    let comment = comment(result.unit, result.estimate, outcome);
-                    format!("#   {what}{along} = {}  # {comment}", rounded(result.estimate.value))
-                })
-            })
-            .collect();
-        if !widths.is_empty() {
-            self.line("\n# friction in loops, which a fabric has no keys for");
-            self.line(&widths.join("\n"));
         }
     }
 
@@ -165,6 +193,10 @@ impl FabricText {
                 ));
             }
         }
+        if let (Some(Direction::Bias), Some(width)) = (outcome.direction, outcome.parameter("2HB")) {
+            let [value, comment] = [rounded(width.value), comment("N", width, outcome)];
+            self.line(&format!("#     2HB = {value} {comment}; a fabric has no key for it at 45 degrees"));
+        }
         let pairs = outcome.correlations.iter().enumerate().flat_map(|(i, row)| {
             row.iter().enumerate().take(i).map(move |(j, correlation)| {
                 let [first, second] = [j, i].map(|index| outcome.parameters[index].symbol);
@@ -176,10 +208,6 @@ impl FabricText {
             self.line(&format!("#     correlations: {}", pairs.join(", ")));
         }
     }
-}
-
-fn of(fit: &Option<SlopeFit>) -> Option<(Estimate, &Outcome)> {
-    fit.as_ref().map(|fit| (fit.slope, &fit.outcome))
 }
 
 /// Unit, standard error, interval and file of a value.

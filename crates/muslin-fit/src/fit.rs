@@ -176,13 +176,36 @@ impl FabricFit {
                 0.25 * (warp.value + weft.value)
             ));
         }
-        if let (Some([warp, weft]), Some(shear)) = (self.least_moduli(), &self.shear)
-            && (warp * weft).sqrt() <= shear.slope.value
+        if let (Some(warp), Some(weft), Some(shear)) = (&self.warp, &self.weft, &self.shear) {
+            let [warp, weft] = [warp, weft].map(TensionFit::least_elastic_modulus);
+            let shear = shear.elastic_shear_modulus();
+            if (warp * weft).sqrt() <= shear {
+                self.warnings.push(format!(
+                    "the fabric resists shear by {shear:.1} N/m, more than stretch at rest by {:.1} N/m: no grid of springs can",
+                    (warp * weft).sqrt()
+                ));
+            }
+        }
+        self.check_friction();
+    }
+
+    /// Loops of which no friction of a fabric can be.
+    fn check_friction(&mut self) {
+        for fit in [&self.warp, &self.weft].into_iter().flatten() {
+            if let (Some(resilience), None) = (fit.loop_resilience(), fit.friction()) {
+                self.warnings.push(format!(
+                    "{}: no friction in proportion to the tension gives back {:.1} % of the work: `rt` is left out",
+                    fit.outcome.file,
+                    100.0 * resilience.value
+                ));
+            }
+        }
+        if let Some(fit) = &self.shear
+            && let (Some(width), None) = (fit.outcome.parameter("2HG"), fit.shear_friction())
         {
             self.warnings.push(format!(
-                "the fabric resists shear by {:.1} N/m, more than stretch at rest by {:.1} N/m: no grid of springs can",
-                shear.slope.value,
-                (warp * weft).sqrt()
+"{}: the loop widens from {:.3} N/m at 0.5 degrees so fast that no fabric has such friction: `2hg` and `2hg5` are left out",
+                fit.outcome.file, width.value
             ));
         }
     }
@@ -204,23 +227,6 @@ impl FabricFit {
         });
         let misfits: Vec<String> = misfits.collect();
         self.warnings.extend(misfits);
-    }
-
-    /// The least slopes of tension [N/m] along warp and weft.
-    fn least_moduli(&self) -> Option<[f64; 2]> {
-        let [warp, weft] = [&self.warp, &self.weft].map(|fit| Some(fit.as_ref()?.tension.least_modulus()));
-        Some([warp?, weft?])
-    }
-
-    /// Width by height of cells that a grid of the fabric may have: the middle of what [`MeasuredFabric::cell_ratios`] allows. `None`
-    /// if the fabric is incomplete, or no grid of springs can have it.
-    ///
-    /// [`MeasuredFabric::cell_ratios`]: muslin::scene::MeasuredFabric::cell_ratios
-    #[must_use]
-    pub fn cell_ratio(&self) -> Option<f64> {
-        let [warp, weft] = self.least_moduli()?;
-        let shear = self.shear.as_ref()?.slope.value;
-        (self.is_complete() && shear < (warp * weft).sqrt()).then(|| (weft / warp).sqrt().sqrt())
     }
 
     /// Whether the strip at 45° says something that a sheet can have.

@@ -13,7 +13,7 @@ use crate::statistics::{is_systematic, scatter, student_t};
 /// A resistance to shear or bending that a test gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeFit {
-    /// Shear modulus G [N/m], or rigidity B [N m].
+    /// Shear modulus G [N/m] of the loading curve, or rigidity B [N m].
     pub slope: Estimate,
     /// How it was found.
     pub outcome: Outcome,
@@ -90,11 +90,12 @@ pub(crate) fn fit_bend(file: &str, direction: Direction, rows: &[[f64; 2]]) -> R
 /// A slope through an offset, and friction where the path turns.
 ///
 /// ```text
-/// y = G x + c + z (h₀ + h₁ |x|)    dz/dx = (s − z) / d
+/// y = G x + c + z h₀ + h₁ (z |x| − x)    dz/dx = (s − z) / d
 /// ```
 ///
 /// Friction slides with half of the loop's width h₀ + h₁ |x| against the way s = ±1, and passes from one way to the other over the
-/// path d (Dahl 1968). On one way alone friction is not to be told from an offset, and the slope is that of the straight line with any
+/// path d (Dahl 1968). On the way out z |x| is x, so that G is the slope of the loading curve, as instruments take it, and the middle
+/// of the loop has the slope G − h₁. A width that falls with |x| is none of a fabric: the loop then has one width, h₁ = 0. On one way alone friction is not to be told from an offset, and the slope is that of the straight line with any
 /// offset, as instruments take it between two points.
 fn fit_path(
     file: &str,
@@ -112,11 +113,19 @@ fn fit_path(
     };
     let has_loop = !turning_points(rows.iter().map(|row| row[0])).is_empty();
     let straight = path.straight().ok_or_else(unsolved)?;
-    let sliding =
-        if has_loop { Some(path.sliding(instrument.has_growth).ok_or_else(unsolved)?) } else { None };
+    let mut notes = Vec::new();
+    let sliding = if has_loop {
+        let mut best = path.sliding(instrument.has_growth).ok_or_else(unsolved)?;
+        if best.parameters.get(GROWTH).is_some_and(|growth| *growth < 0.0) {
+            best = path.sliding(false).ok_or_else(unsolved)?;
+            notes.push("the loop does not widen with the angle: one width for all angles".to_owned());
+        }
+        Some(best)
+    } else {
+        None
+    };
     let subject = crate::outcome::subject(if instrument.has_growth { "shear" } else { "bending" }, direction);
     let mut undetermined = Vec::new();
-    let mut notes = Vec::new();
     let chosen = match sliding {
         None => {
             undetermined.push(Undetermined {
@@ -128,7 +137,7 @@ fn fit_path(
         }
         Some(sliding) if is_sliding(&sliding) => sliding,
         Some(_) => {
-            notes.push("the loop has no width beyond scatter: no friction".to_owned());
+            notes = vec!["the loop has no width beyond scatter: no friction".to_owned()];
             straight
         }
     };
@@ -191,9 +200,9 @@ impl Path {
                 let (slope, path) = (libm::exp(p[SLOPE]), libm::exp(p[SLIDING_PATH]));
                 let friction = self.rows.iter().zip(self.friction(path, before));
                 let growth = p.get(GROWTH).copied().unwrap_or(0.0);
-                friction
-                    .map(|([x, y], z)| slope * x + p[OFFSET] + z * (p[FRICTION] + growth * x.abs()) - y)
-                    .collect()
+                let law =
+                    |x: f64, z: f64| slope * x + p[OFFSET] + z * p[FRICTION] + growth * (z * x.abs() - x);
+                friction.map(|([x, y], z)| law(*x, z) - y).collect()
             };
             let mut start = vec![0.0, 0.0, 0.05, libm::log(0.05)];
             let mut bounds = vec![[-12.0, 6.0], [-1.0, 1.0], [-1.0, 1.0], [libm::log(1e-3), libm::log(0.5)]];
@@ -258,7 +267,7 @@ impl Path {
                 instrument.path_unit,
                 logarithm(SLIDING_PATH, x_unit),
             ));
-            if instrument.has_growth {
+            if GROWTH < solution.parameters.len() {
                 parameters.push(parameter("h1", "growth of friction", unit, linear(GROWTH, y_unit / x_unit)));
             }
             for &(symbol, name, at) in instrument.widths {
@@ -337,16 +346,30 @@ mod tests {
             .collect()
     }
 
+    /// The way out has the slope of the middle, 32 N/m, and of the friction that grows with it, 3 N/m.
     #[test]
     fn a_loop_gives_slope_and_widths() {
         let degree = std::f64::consts::PI / 180.0;
         let fit = fit_shear("a.csv", &shear_loop(32.0, 0.5, 3.0, 0.5 * degree, 40)).expect("a fit");
-        assert!((fit.slope.value / 32.0 - 1.0).abs() < 1e-5, "{:?}", fit.slope);
+        assert!((fit.slope.value / 35.0 - 1.0).abs() < 1e-5, "{:?}", fit.slope);
         let value = |symbol| fit.outcome.parameter(symbol).expect(symbol).value;
         assert!((value("2HG") / (2.0 * (0.5 + 3.0 * 0.5 * degree)) - 1.0).abs() < 1e-5, "{}", value("2HG"));
         assert!((value("2HG5") / (2.0 * (0.5 + 3.0 * 5.0 * degree)) - 1.0).abs() < 1e-5);
         assert!((value("d") / (0.5 * degree) - 1.0).abs() < 1e-4);
         assert!(fit.outcome.undetermined.is_empty(), "{:?}", fit.outcome.undetermined);
+    }
+
+    /// A loop that narrows towards its ends has one width, between those at 0.5° and at 5°, and the slope of its middle.
+    #[test]
+    fn a_loop_that_narrows_has_one_width() {
+        let fit = fit_shear("a.csv", &shear_loop(32.0, 0.5, -1.0, 0.01, 40)).expect("a fit");
+        let [first, fifth] = ["2HG", "2HG5"].map(|symbol| fit.outcome.parameter(symbol).expect(symbol).value);
+        assert_eq!(first, fifth);
+        assert!(2.0 * (0.5 - 0.087) < first && first < 2.0 * (0.5 - 0.008), "{first}");
+        assert!((fit.slope.value / 32.0 - 1.0).abs() < 0.03, "{:?}", fit.slope);
+        assert_eq!(fit.outcome.parameter("h1"), None);
+        let note = "the loop does not widen with the angle: one width for all angles";
+        assert!(fit.outcome.notes.iter().any(|found| found == note), "{:?}", fit.outcome.notes);
     }
 
     #[test]

@@ -156,3 +156,79 @@ fn bad_arguments_have_their_messages() {
         "error: the mass per area is 200 kg/m2, but must be from 1 g/m2 to 10 kg/m2\n  help: see that the unit is that of the number",
     );
 }
+
+/// 0 → end → −end → 0 in 40 points each, with friction that slides over a path and is half of `width` at a place.
+fn loop_of(header: &str, end: f64, slope: f64, path: f64, width: impl Fn(f64) -> f64) -> String {
+    let places = (0..40).chain((-40..=40).rev()).chain(-39..=0);
+    let (mut z, mut before) = (0.0, 0.0);
+    let mut text = format!("{header}\n");
+    for place in places {
+        let x = end * f64::from(place) / 40.0;
+        let way = if before <= x { 1.0 } else { -1.0 };
+        z = way + (z - way) * f64::exp(-f64::abs(x - before) / path);
+        before = x;
+        text += &format!("{x},{}\n", slope * x + 0.5 * z * width(x.abs()));
+    }
+    text
+}
+
+/// Loops of a suiting, in the instruments' units: tension whose way back is 65 % of the way out, 2HG 0.9 and 2HG5 1.8 gf/cm, 2HB 0.06
+/// and 0.04 gf cm/cm.
+fn loops() -> Work {
+    let work = Work::new();
+    for (name, end, modulus, scale) in [("warp", 4.7, 3694.0, 0.0358), ("weft", 12.75, 1362.0, 0.0972)] {
+        let row = |i: i32, share: f64| {
+            let strain = end * f64::from(i) / 100.0;
+            format!("{strain},{}\n", share * modulus * scale * (0.01 * strain / scale).tan())
+        };
+        let out: String = (0..=100).map(|i| row(i, 1.0)).collect();
+        let back: String = (0..100).rev().map(|i| row(i, 0.65)).collect();
+        work.write(&format!("{name}.csv"), format!("strain [%],tension [gf/cm]\n{out}{back}"));
+    }
+    let widening = |angle: f64| 0.9 + 0.2 * (angle - 0.5);
+    work.write("shear.csv", loop_of("angle [deg],force [gf/cm]", 8.0, 0.5, 0.3, widening));
+    for (name, rigidity, width) in [("bend-warp", 0.12, 0.06), ("bend-weft", 0.08, 0.04)] {
+        let text = loop_of("curvature [1/cm],moment [gf cm/cm]", 2.5, rigidity, 0.1, |_| width);
+        work.write(&format!("{name}.csv"), text);
+    }
+    work
+}
+
+/// What goes in comes out: loops in files become a fabric whose loops on the virtual instruments are as wide, and which is loaded
+/// along the same curves.
+#[test]
+fn loops_become_friction_that_instruments_measure() {
+    let work = loops();
+    let density = ["--areal-density", "200 g/m2", "--fabric", "suiting", "--out", "out"];
+    let files = [
+        "fit",
+        "warp=warp.csv",
+        "weft=weft.csv",
+        "shear.csv",
+        "bend-warp=bend-warp.csv",
+        "weft=bend-weft.csv",
+    ];
+    Outcome::of(&mut work.command([&files[..], &density].concat())).assert_success();
+    // By hand: G is 0.5 gf/(cm deg) and half of the 0.2 by which the loop widens; RT counts the trapeze at the turn.
+    for (test, along, known) in [
+        ("tensile", "warp", vec![("EMT", 4.7), ("RT", 65.0)]),
+        ("tensile", "weft", vec![("EMT", 12.75), ("RT", 65.0)]),
+        ("shear", "warp", vec![("G", 0.6), ("2HG", 0.9), ("2HG5", 1.8)]),
+        ("bend", "warp", vec![("B", 0.12), ("2HB", 0.06)]),
+        ("bend", "weft", vec![("B", 0.08), ("2HB", 0.04)]),
+    ] {
+        let folder = format!("{test}-{along}");
+        work.muslin(&format!("lab {test} out/suiting.toml --along {along} --cells 10 --out {folder}"))
+            .assert_success();
+        let values: Value = serde_json::from_slice(&work.read(&format!("{folder}/lab.json"))).expect("JSON");
+        let readings = values["readings"].as_array().expect("readings");
+        for (name, known) in known {
+            let reading = readings.iter().find(|reading| reading["name"] == name).expect(name);
+            let measured = reading["instrument"]["measured"].as_f64().expect("a number");
+            assert!(
+                (measured / known - 1.0).abs() < 0.03,
+                "{folder}: {name} is {measured}, but {known} went in"
+            );
+        }
+    }
+}
