@@ -18,11 +18,25 @@ phase = 0.5
 direction = [0.0, 0.0, 1.0]
 "#;
 
+/// Particles enough that a run of springs takes its time.
+const MANY: (&str, &str) = ("columns = 5, rows = 4", "columns = 32, rows = 32");
+
+/// A fabric with friction in tension, shear and bending, whose yarns do not stiffen in the wind.
+const HELD: &str = r#"[fabric.held]
+kind = "measured"
+areal_density = 0.2
+drag = 0.5
+warp = { modulus = 1500.0, rt_percent = 65 }
+weft = { modulus = 1000.0, rt_percent = 65 }
+shear = { g_gf_per_cm_deg = 0.6, 2hg_gf_per_cm = 0.9, 2hg5_gf_per_cm = 1.8 }
+bend = { warp = { rigidity = 12e-6, 2hb = 6e-4 }, weft = { rigidity = 8e-6, 2hb = 4e-4 } }
+"#;
+
 /// A folder with `scene.toml` whose run in `out` was stopped by `stop` before its end, once `is_ready`.
 ///
 /// How long a run must be for that depends on the machine.
 fn stopped_run(is_ready: impl Fn(&Work) -> bool, stop: impl Fn(Child) -> Outcome) -> (Work, Outcome) {
-    stopped_run_of(&[], is_ready, stop)
+    stopped_run_of(&[MANY], is_ready, stop)
 }
 
 /// The same of a scene with pieces replaced.
@@ -33,11 +47,7 @@ fn stopped_run_of(
 ) -> (Work, Outcome) {
     for duration in ["10.0", "40.0", "160.0", "640.0", "2560.0"] {
         let (duration, wind) = (format!("duration = {duration}"), format!("{WIND}\n[fabric.plain]"));
-        let long = [
-            ("duration = 0.5", duration.as_str()),
-            ("columns = 5, rows = 4", "columns = 32, rows = 32"),
-            ("[fabric.plain]", wind.as_str()),
-        ];
+        let long = [("duration = 0.5", duration.as_str()), ("[fabric.plain]", wind.as_str())];
         let work = Work::with_scene(&[changes, &long].concat());
         let mut command = work.command(["run", "scene.toml", "--out", "out"]);
         let mut run =
@@ -132,12 +142,59 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
 #[test]
 fn an_adaptive_run_goes_on_to_the_same_bits() {
     let rule = ("step = { constant = 5e-3 }", "step = { tolerance = 1e-2 }");
-    let (work, outcome) = stopped_run_of(&[rule], is_under_way, interrupt);
+    let (work, outcome) = stopped_run_of(&[MANY, rule], is_under_way, interrupt);
     assert_eq!(outcome.code, Some(1));
     work.muslin("run scene.toml --out out --resume --threads 2").assert_success();
     work.muslin("run scene.toml --out whole").assert_success();
     work.assert_same_run("out", "whole");
     work.muslin("verify out").assert_success();
+}
+
+/// What friction remembers is in the checkpoint: all of it is needed, and without it the rest of the run is another.
+#[test]
+fn a_run_with_friction_goes_on_to_the_same_bits() {
+    let fabric = format!("{HELD}\n[fabric.plain]");
+    let changes = [
+        ("step = { constant = 5e-3 }", "step = \"adaptive\""),
+        ("columns = 5, rows = 4", "columns = 8, rows = 6"),
+        ("fabric = \"plain\"", "fabric = \"held\""),
+        ("[fabric.plain]", fabric.as_str()),
+    ];
+    let (work, outcome) = stopped_run_of(&changes, is_under_way, interrupt);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let partial = |folder: &str, name: &str| format!("{folder}/.partial/{name}");
+    let frame = checkpoint_frame(&work).expect("a checkpoint");
+    let slips = format!("half-step-velocities-{frame}.f64");
+    let bytes = work.read(&partial("out", &slips));
+    let velocities = 8 * 6 * 3 * size_of::<f64>();
+    let is_remembered = |bytes: &[u8]| bytes.iter().any(|byte| *byte != 0);
+    assert!(is_remembered(&bytes[velocities..]), "nothing has slipped");
+    for folder in ["short", "forgotten"] {
+        fs::create_dir_all(work.path(&partial(folder, ""))).expect("a folder");
+        for name in work.names("out/.partial") {
+            work.write(&partial(folder, &name), work.read(&partial("out", &name)));
+        }
+    }
+    work.write(&partial("short", &slips), &bytes[..bytes.len() - 1]);
+    work.muslin("run scene.toml --out short --resume").assert_failure(
+        2,
+        &format!(
+            "error: short/.partial/{slips} could not be read: it is shorter than its checkpoint says\n  help: start \
+             again with `--force`"
+        ),
+    );
+    let forgotten = [&bytes[..velocities], &vec![0; bytes.len() - velocities]].concat();
+    work.write(&partial("forgotten", &slips), forgotten);
+    for folder in ["out", "forgotten"] {
+        work.muslin(&format!("run scene.toml --out {folder} --resume --threads 2")).assert_success();
+    }
+    work.muslin("run scene.toml --out whole").assert_success();
+    work.assert_same_run("out", "whole");
+    work.muslin("verify out").assert_success();
+    let last = |folder: &str| work.summary(folder)["final_state_hash"].clone();
+    assert_ne!(last("forgotten"), last("whole"));
+    let lost = &work.summary("whole")["energy"]["last"]["friction_loss"];
+    assert!(lost.as_f64().is_some_and(|lost| 0.0 < lost), "{lost} J");
 }
 
 #[test]
