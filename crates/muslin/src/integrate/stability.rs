@@ -102,7 +102,11 @@ pub(super) fn largest_damping_rate(
 
 /// The step 2 / (ω + 2γ) [s] for a frequency squared ω² [1/s²] and a damping rate γ [1/s]; 0 if they are not numbers.
 pub(super) fn stable_step(frequency_squared: f64, damping: f64) -> f64 {
-    let rate = frequency_squared.sqrt() + 2.0 * damping;
+    step_at_rate(frequency_squared.sqrt() + 2.0 * damping)
+}
+
+/// The step 2 / `rate` [s] for a rate [1/s]; 0 if that is not a number.
+fn step_at_rate(rate: f64) -> f64 {
     if rate.is_nan() { 0.0 } else { 2.0 / rate }
 }
 
@@ -112,27 +116,32 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b <= a { a } else { b }
 }
 
-/// The largest of damping bound / mass [1/s] of dashpots inside of the cloth; zero without any.
-fn internal_damping_rate(model: &Model, state: &State) -> f64 {
+/// The largest of damping bound / mass [1/s] over all free particles, of all forces on velocity; zero without any.
+fn damping_rate(model: &Model, state: &State) -> f64 {
     let at = configuration(model, state);
     let mut bounds = Vec::new();
     model.blocks().iter().fold(0.0, |rate, block| {
-        bounds.clear();
         bounds.resize(block.len(), 0.0);
-        let moving = model.forces().iter().filter(|force| force.depends_on_velocity());
-        let dashpots = moving.filter(|force| !force.is_external());
-        dashpots.for_each(|force| force.add_damping_bounds(at, block, &mut bounds));
-        larger(rate, largest_rate(at.particles, block, &bounds))
+        larger(rate, largest_damping_rate(model, at, block, &mut bounds))
     })
 }
 
-/// The largest stable step h = 2 / ω [s] at the state's time and positions; +∞ if nothing is stiff, 0 if the stiffness is
-/// beyond all numbers.
+/// The largest stable step [s] at the state's time, positions and velocities; +∞ if nothing is stiff or damped, 0 if the
+/// stiffness is beyond all numbers.
+///
+/// ```text
+/// h = 2 / max(ω, γ)
+/// ```
 ///
 /// ω² is the largest eigenvalue of `M^(−1/2) K M^(−1/2)` over the free particles, by Lanczos iteration from a fixed
-/// start vector: exact to round-off for small models, too large a step by less than 0.1 % for large ones. With dashpots
-/// inside of the cloth it is 2 / (ω + 2γ), as in the [`guaranteed_stable_step`], with the bound γ by norms. In shapes that
-/// the cloth takes later the limit may differ. With linear springs along their current length it stays above the
+/// start vector: exact to round-off for small models, too large a step by less than 0.1 % for large ones. γ is the bound of the
+/// [`guaranteed_stable_step`] on the rate of all forces on velocity, air and dashpots.
+///
+/// Below it no motion grows, whatever drag, if K and D = −∂F/∂v are symmetric and D damps, as that of dashpots and of air that
+/// presses on faces. Above 2 / ω a fastest mode grows that nothing damps; one that is damped by the rate γ' grows only above
+/// ω² h² = 4 + 2 z² / (2 − z), z = γ' h. The [`guaranteed_stable_step`] keeps below half of what damping allows.
+///
+/// In shapes that the cloth takes later the limit may differ. With linear springs along their current length it stays above the
 /// [`guaranteed_stable_step`]; as printed, divided by the rest length, a spring stiffens as it stretches.
 #[must_use]
 pub fn largest_stable_step(model: &Model, state: &State, workers: &Workers) -> f64 {
@@ -165,7 +174,7 @@ pub fn largest_stable_step(model: &Model, state: &State, workers: &Workers) -> f
         std::mem::swap(&mut current, &mut product);
         scale(&mut current, 1.0 / beta);
     }
-    stable_step(eigenvalue.max(0.0), internal_damping_rate(model, state))
+    step_at_rate(larger(eigenvalue.max(0.0).sqrt(), damping_rate(model, state)))
 }
 
 /// `M^(−1/2) K M^(−1/2)` [1/s²] over the free particles at one configuration.

@@ -4,10 +4,10 @@ use glam::DVec3;
 use muslin::integrate::{
     CentralDifference, Integrator, Workers, block_stable_step, guaranteed_stable_step, largest_stable_step,
 };
-use muslin::{Model, Points, State};
+use muslin::{Model, Points, Simulation, SimulationError, State};
 
 use crate::common::setup::forces;
-use crate::common::{ClothNumbers, Random, SceneNumbers, model_and_state};
+use crate::common::{AirNumbers, ClothNumbers, Random, SceneNumbers, model_and_state};
 
 const MASS: f64 = 0.01;
 const STIFFNESS: f64 = 400.0;
@@ -203,4 +203,153 @@ fn motion_is_bounded_below_the_limit_and_not_above() {
         assert!(below <= 1e-3 * (free as f64).sqrt(), "{below:e} spacings below the limit");
         assert!(1e3 < above, "{above:e} spacings above the limit");
     }
+}
+
+/// A mass on a spring with a dashpot, `ratio` = γ / ω.
+fn damped(ratio: f64) -> SceneNumbers {
+    let mut numbers = chain(2, &[(0, 0)]);
+    numbers.cloths[0].dampings = [ratio * (STIFFNESS * MASS).sqrt(), 0.0, 0.0];
+    numbers
+}
+
+/// ω h at the limit of a mass on a spring with a dashpot, γ = c / m: a step takes (h v⁻, x) to
+///
+/// ```text
+/// h v⁺ = (1 − z + ½ z²) h v⁻ − ω²h² (1 − ½ z) x        x⁺ = x + h v⁺        z = γ h
+/// ```
+///
+/// whose determinant 1 − z + ½ z² is below one for z < 2, and whose trace lets −1 be no root for ω²h² < 4 + 2 z² / (2 − z).
+fn damped_limit(ratio: f64) -> f64 {
+    let is_stable = |step: f64| {
+        let z = ratio * step;
+        z < 2.0 && step * step < 4.0 + 2.0 * z * z / (2.0 - z)
+    };
+    let (mut low, mut high) = (1.0, 8.0);
+    if 1.0 < ratio {
+        low /= ratio;
+    }
+    assert!(is_stable(low) && !is_stable(high));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if is_stable(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// With damping that is taken explicitly the limit is where the closed form has it; the largest stable step is min(2/ω, 2/γ), never
+/// beyond it and not below half of it.
+#[test]
+fn step_of_a_damped_spring() {
+    let frequency = (STIFFNESS / MASS).sqrt();
+    for ratio in [0.0, 0.1, 0.3, 0.6, 1.0, 3.0] {
+        let limit = damped_limit(ratio) / frequency;
+        let largest = largest(&damped(ratio));
+        let exact = 2.0 / f64::max(1.0, ratio) / frequency;
+        assert!((largest / exact - 1.0).abs() < 1e-13, "{largest} s for {exact} s at {ratio}");
+        assert!((0.5..1.0 + 1e-12).contains(&(largest / limit)), "{largest} s of {limit} s at {ratio}");
+        for (share, is_stable) in [(0.99, true), (1.01, false)] {
+            let left = what_is_left(&damped(ratio), share * limit);
+            // Without damping the amplitude stays as it is; at 0.99 of the limit it is up to 8 times the start's.
+            assert_eq!(
+                left < if ratio == 0.0 { 8.0 } else { 1e-3 },
+                is_stable,
+                "{left:e} at {share}, γ = {ratio} ω"
+            );
+        }
+    }
+}
+
+/// How far [1] any particle is from where it is at rest after 3000 steps of `step` [s], relative to a small random offset at the
+/// start.
+fn what_is_left(numbers: &SceneNumbers, step: f64) -> f64 {
+    const OFFSET: f64 = 1e-6;
+    let (model, mut state) = model_and_state(numbers);
+    let origin = state.positions.clone();
+    let mut random = Random::new(11);
+    for particle in (0..origin.len()).filter(|&particle| !model.particles().pinned()[particle]) {
+        state.positions.x[particle] += OFFSET * random.next();
+    }
+    let mut method = CentralDifference::new(Workers::single());
+    let mut largest = 0.0_f64;
+    for n in 0..3000 {
+        if method.step(&model, &mut state, step).is_err() {
+            return f64::INFINITY;
+        }
+        if 2900 < n {
+            largest = largest.max(crate::common::max_distance(&state.positions, &origin));
+        }
+    }
+    largest / OFFSET
+}
+
+/// In a stretched sheet stiffness and damping have no modes in common, and drag comes besides: below the largest stable step all the
+/// same nothing grows.
+#[test]
+fn a_damped_sheet_is_stable_up_to_its_step() {
+    for (dampings, drag) in [([0.05, 0.0, 0.0], 0.0), ([0.0, 0.4, 0.0], 0.01), ([0.3, 0.05, 0.6], 0.05)] {
+        let cloth = ClothNumbers {
+            columns: 6,
+            rows: 5,
+            pins: (0..5).flat_map(|row| [(0, row), (5, row)]).collect(),
+            dampings,
+            drag,
+            ..ClothNumbers::default()
+        };
+        let numbers = SceneNumbers { gravity: [0.0; 3], cloths: vec![cloth], ..SceneNumbers::default() };
+        let left = what_is_left(&numbers, 0.999 * largest(&numbers));
+        assert!(left < 1.0, "{left:e} of the start is left with dashpots of {dampings:?} kg/s");
+    }
+}
+
+/// A light film held at two edges in a wind along its normal, whose damping needs shorter steps than its springs.
+fn film(frame_intervals: u32, step: f64, airs: Vec<AirNumbers>) -> SceneNumbers {
+    SceneNumbers {
+        frame_intervals,
+        frame_rate: 1.0 / step,
+        steps_per_frame: 1,
+        gravity: [0.0; 3],
+        airs,
+        cloths: vec![ClothNumbers {
+            columns: 6,
+            rows: 5,
+            width: 0.5,
+            height: 0.4,
+            pins: (0..5).flat_map(|row| [(0, row), (5, row)]).collect(),
+            mass: 2e-5,
+            drag: 0.0,
+            stiffnesses: [20.0, 5.0, 0.0],
+            ..ClothNumbers::default()
+        }],
+        ..SceneNumbers::default()
+    }
+}
+
+/// A constant step that springs allow and air does not is refused; taken all the same, the film is soon beyond all numbers. With a
+/// step below the limit it fills and hangs in the wind, slower than 0.1 m/s.
+#[test]
+fn a_constant_step_counts_air() {
+    let wind = || vec![AirNumbers::steady([0.0, 5.0, 0.0], [1.5, 0.0])];
+    let [still, windy] = [Vec::new(), wind()].map(|airs| largest(&film(1, 1e-4, airs)));
+    // ρ C_N A w of a particle inside, which stands for 10 cm x 10 cm.
+    let exact = 2.0 * 2e-5 / (1.2 * 1.5 * 0.1 * 0.1 * 5.0);
+    assert!((windy / exact - 1.0).abs() < 1e-12 && 1.9 * windy < still, "{windy} s and {still} s");
+    let simulation = |numbers: &SceneNumbers| {
+        let scene = numbers.scene();
+        Simulation::new(&scene, Simulation::integrator(&scene, Workers::single()))
+    };
+    let refused = simulation(&film(1, 1.8 * windy, wind()));
+    assert!(matches!(refused, Err(SimulationError::UnstableStep { .. })));
+    let speed = |step: f64| {
+        let mut numbers = film(4000, step, wind());
+        numbers.allow_unstable = true;
+        let mut simulation = simulation(&numbers).unwrap_or_else(|error| panic!("{error}"));
+        while !simulation.is_finished() {
+            if simulation.advance(&mut []).is_err() {
+                return f64::INFINITY;
+            }
+        }
+        simulation.frame().velocities.iter().map(DVec3::length).fold(0.0, f64::max)
+    };
+    let [below, above] = [0.9, 1.8].map(|share| speed(share * windy));
+    assert!(below < 0.1 && above == f64::INFINITY, "{below:e} m/s and {above:e} m/s");
 }
