@@ -3,6 +3,8 @@
 //! Only models of one cloth, in the plane of x and y: what the specimens of the [laboratory](crate::lab) need.
 
 mod banded;
+#[cfg(test)]
+mod tests;
 mod unknowns;
 
 use glam::DVec3;
@@ -32,6 +34,11 @@ const SOLUTION_TOLERANCES: [f64; 2] = [1e-6, 1e-2];
 /// How far along a step forces may point back, relative to how they pointed on at its start, and how often it is made shorter.
 const MOST_OVERSHOOT: f64 = 0.1;
 const MOST_TRIALS: usize = 12;
+
+/// What is added at least to the diagonal of a tangent that is not positive definite, relative to the largest entry there, and by
+/// what it grows: the more, the less of a step is along what gives way.
+const LEAST_SHIFT: f64 = 1e-8;
+const SHIFT_GROWTH: f64 = 4.0;
 
 /// Way of a particle in one of Newton's steps at most, relative to the smaller spacing of the grid.
 const LONGEST_WAY: f64 = 2.0;
@@ -245,7 +252,7 @@ impl StaticSolver {
             if let Some(factor) = matrix.factor(shift) {
                 break factor;
             }
-            shift = if shift == 0.0 { 1e-8 * matrix.largest_diagonal() } else { 10.0 * shift };
+            shift = if shift == 0.0 { LEAST_SHIFT * matrix.largest_diagonal() } else { SHIFT_GROWTH * shift };
         };
         self.factor = Some(factor);
         if shift == 0.0 && self.descend(model, state, slides, residuals, way).is_some() {
