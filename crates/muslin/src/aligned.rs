@@ -12,7 +12,7 @@ const LINES: usize = 64;
 /// Numbers from which on it matters where in a page an array begins.
 const LONG: usize = 2 * LINE * LINES;
 
-/// Zeros that follow on the last number at least.
+/// Zeros that follow on the last number.
 const ZEROS: usize = 272;
 
 /// A fixed number of `f64` that begin where a line of the cache does, so that no vector of a row needs two.
@@ -46,10 +46,12 @@ impl AlignedArray {
         Self { values, start, len }
     }
 
-    /// Its numbers and some zeros behind them, none if it is empty: loops that run past the end need no copy.
+    /// Its numbers and [`ZEROS`] behind them, none if it is empty: loops that run past the end need no copy.
     #[inline(always)]
     pub(crate) fn with_zeros_behind(&self) -> &[f64] {
-        &self.values[self.start..]
+        // As many for every array of its length, wherever it begins.
+        let end = self.start + self.len + ZEROS;
+        &self.values[self.start..end.min(self.values.len())]
     }
 }
 
@@ -135,6 +137,21 @@ mod tests {
             assert_eq!(copy, array);
             assert_eq!(copy.clone(), array.iter().copied().collect());
         }
+    }
+
+    /// Arrays of the same length have as many zeros, wherever they begin.
+    #[test]
+    fn zeros_follow_on_the_last_number() {
+        for len in [1, 100, 1023, 1024, 5000] {
+            let arrays: Vec<AlignedArray> = (0..5).map(|_| std::iter::repeat_n(1.0, len).collect()).collect();
+            for array in &arrays {
+                let values = array.with_zeros_behind();
+                assert_eq!(values.len(), len + ZEROS);
+                let (own, zeros) = values.split_at(len);
+                assert!(own.iter().all(|&value| value == 1.0) && zeros.iter().all(|&value| value == 0.0));
+            }
+        }
+        assert!(AlignedArray::zeros(0).with_zeros_behind().is_empty());
     }
 
     #[test]
