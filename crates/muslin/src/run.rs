@@ -295,6 +295,10 @@ impl Simulation {
             }
             let tolerated_step = state.step_memory.tolerated_step;
             std::mem::swap(state, &mut **before);
+            if !is_finite {
+                // The next step moves from one to the other, and what it overwrites must be finite.
+                before.copy_from(state);
+            }
             stable.return_to(integrator, model, state);
             let longest = if is_tolerated { step } else { tolerated_step };
             ideal_step = IdealStep::after_refusal(step, longest);

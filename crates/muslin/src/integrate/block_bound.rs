@@ -127,14 +127,14 @@ impl Vectorise for LargestRates<'_> {
     }
 }
 
-/// The largest of `bounds`, and of bounds and `corrections` together, and zero at least; NaN if any is.
+/// The largest of `bounds`, and of bounds and `corrections` together, and zero at least; NaN where any of these is.
 #[inline(always)]
 fn largest_in_lanes(bounds: &[f64], corrections: &[f64]) -> [f64; 2] {
     const LANES: usize = 8;
     let raised = |largest: f64, value: f64| if largest < value { value } else { largest };
     let (mut uncorrected, mut corrected) = ([0.0; LANES], [0.0; LANES]);
-    // Comparisons pass over what is not a number, a sum does not.
-    let mut sums = [0.0; LANES];
+    // Comparisons pass over what is not a number, sums do not.
+    let mut sums = [[0.0; LANES]; 2];
     let (bounds, bounds_rest) = bounds.as_chunks::<LANES>();
     let (corrections, corrections_rest) = corrections.as_chunks::<LANES>();
     for (bounds, corrections) in bounds.iter().zip(corrections) {
@@ -142,17 +142,47 @@ fn largest_in_lanes(bounds: &[f64], corrections: &[f64]) -> [f64; 2] {
             let sum = bounds[lane] + corrections[lane];
             uncorrected[lane] = raised(uncorrected[lane], bounds[lane]);
             corrected[lane] = raised(corrected[lane], sum);
-            sums[lane] += sum;
+            sums[0][lane] += bounds[lane];
+            sums[1][lane] += sum;
         }
     }
     for (lane, (bound, correction)) in bounds_rest.iter().zip(corrections_rest).enumerate() {
         let sum = bound + correction;
         uncorrected[lane] = raised(uncorrected[lane], *bound);
         corrected[lane] = raised(corrected[lane], sum);
-        sums[lane] += sum;
+        sums[0][lane] += bound;
+        sums[1][lane] += sum;
     }
-    if sums.iter().any(|sum| sum.is_nan()) {
-        return [f64::NAN; 2];
+    let largest = |lanes: [f64; LANES], sums: [f64; LANES]| {
+        if sums.iter().any(|sum| sum.is_nan()) { f64::NAN } else { lanes.into_iter().fold(0.0, raised) }
+    };
+    [largest(uncorrected, sums[0]), largest(corrected, sums[1])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wherever it is: in a vector or behind the last whole one.
+    #[test]
+    fn largest_values_are_found_and_no_number_stays_none() {
+        let (bounds, corrections) = ([1.0; 19], [-0.25; 19]);
+        assert_eq!(largest_in_lanes(&bounds, &corrections), [1.0, 0.75]);
+        assert_eq!(largest_in_lanes(&bounds, &[-2.0; 19]), [1.0, 0.0]);
+        assert_eq!(largest_in_lanes(&[], &[]), [0.0, 0.0]);
+        for place in 0..bounds.len() {
+            let with = |values: &[f64; 19], value: f64| {
+                let mut values = *values;
+                values[place] = value;
+                values
+            };
+            assert_eq!(largest_in_lanes(&with(&bounds, 5.0), &corrections), [5.0, 4.75]);
+            assert_eq!(largest_in_lanes(&bounds, &with(&corrections, 7.0)), [1.0, 8.0]);
+            // Corrections come from another state, which says nothing of the bounds.
+            let [uncorrected, corrected] = largest_in_lanes(&bounds, &with(&corrections, f64::NAN));
+            assert!(uncorrected == 1.0 && corrected.is_nan());
+            let largest = largest_in_lanes(&with(&bounds, f64::NAN), &corrections);
+            assert!(largest.into_iter().all(f64::is_nan));
+        }
     }
-    [uncorrected, corrected].map(|lanes| lanes.into_iter().fold(0.0, raised))
 }

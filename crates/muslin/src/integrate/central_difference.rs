@@ -165,7 +165,8 @@ impl CentralDifference {
         let limited = self.limiter.apply(model, &self.forces, step, state);
         match moved {
             Some(Moved { is_finite: false, .. }) => Err(not_finite(model.particles(), state)),
-            moved => Ok(moved.map(|moved| moved.motion.add(limited)).unwrap_or_default()),
+            Some(moved) if is_measured => Ok(moved.motion.add(limited)),
+            _ => Ok(Motion::default()),
         }
     }
 }

@@ -14,8 +14,9 @@ const EARLY_GROWTH: f64 = 1.1;
 ///
 /// The block bound ω² ≤ max λ_i of [`Force::add_stiffness_tensors`](crate::force::Force::add_stiffness_tensors) costs about as
 /// much as two steps. It is evaluated at the start, every 16 steps, after a refusal and where a step would have to be refused
-/// without; every 32 and then every 64 steps as long as it comes out as expected, 2/ω at most 0.5 % shorter and 2 % longer. In between, bound_i of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds) follows each
-/// stiffening at once:
+/// without; every 32 and then every 64 steps as long as it comes out as expected, 2/ω at most 0.5 % shorter and 2 % longer.
+/// In between, bound_i of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds) follows each stiffening
+/// at once:
 ///
 /// ```text
 /// m_i λ_i(t) ≈ λ_max(t₀) + (bound_i(t) − bound_i(t₀))        and at least max λ_i(t₀) over all i
