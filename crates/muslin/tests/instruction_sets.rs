@@ -6,14 +6,27 @@ mod common;
 use std::ops::Range;
 
 use common::{CURVE, ClothNumbers, SceneNumbers, SineNumbers, StepNumbers};
-use muslin::force::{Configuration, Sweep};
+use muslin::force::{Configuration, StiffnessTensors, StiffnessTensorsMut, Sweep};
+use muslin::glam::{DMat3, DVec3};
 use muslin::integrate::{CentralDifference, Integrator, StepTo, Workers, block_stable_step};
 use muslin::observe::StateHash;
-use muslin::{InstructionSet, Model, Points, Scene};
+use muslin::{InstructionSet, LimitWork, Model, Motion, Points, Scene, State};
 
 /// Grids whose rows are shorter than a vector, fill some, and are longer than what is worked on at a time.
-const SIZES: [(usize, usize); 9] =
-    [(1, 9), (9, 1), (2, 2), (7, 5), (10, 30), (33, 12), (129, 4), (140, 9), (300, 5)];
+const SIZES: [(usize, usize); 12] = [
+    (1, 9),
+    (9, 1),
+    (2, 2),
+    (7, 5),
+    (10, 30),
+    (33, 12),
+    (129, 4),
+    (140, 9),
+    (300, 5),
+    (400, 6),
+    (3, 3),
+    (2, 40),
+];
 
 const LAWS: [[&str; 3]; 5] = [
     ["law = \"linear\"", "law = \"linear\"", "law = \"linear\""],
@@ -23,14 +36,15 @@ const LAWS: [[&str; 3]; 5] = [
     ["law = \"arctangent-force\"", CURVE, "law = \"linear\""],
 ];
 
-/// Two cloths side by side, of which the second has springs of other families and another size.
+/// Two cloths side by side, of which one has springs of other families and another size; the one of `columns` and `rows` is the
+/// first, or in odd cases the last, behind which there are no more particles.
 fn scene(case: usize, (columns, rows): (usize, usize)) -> SceneNumbers {
     let cloth = ClothNumbers {
         columns,
         rows,
         width: if columns > 1 { 0.02 * columns as f64 } else { 1.0 },
         height: if rows > 1 { 0.03 * rows as f64 } else { 1.0 },
-        pins: vec![(0, 0), (columns - 1, 0)],
+        pins: vec![(0, 0), (columns - 1, 0), (columns / 2, rows / 2), (columns - 1, rows - 1)],
         laws: LAWS[case % LAWS.len()],
         rest_length_direction: case % 3 == 2,
         // Its rows bend by second differences, and are wider than those of the other cloth.
@@ -54,7 +68,8 @@ fn scene(case: usize, (columns, rows): (usize, usize)) -> SceneNumbers {
         is_measured,
         ..ClothNumbers::default()
     };
-    SceneNumbers { cloths: vec![cloth, other], step_rule: StepNumbers::Adaptive, ..SceneNumbers::default() }
+    let cloths = if case % 2 == 0 { vec![cloth, other] } else { vec![other, cloth] };
+    SceneNumbers { cloths, step_rule: StepNumbers::Adaptive, ..SceneNumbers::default() }
 }
 
 /// Positions [m] of `model` some way from rest: smooth waves, so that springs are stretched and turned.
@@ -64,8 +79,7 @@ fn bent(model: &Model, scene: &Scene) -> Points {
         .iter()
         .map(|at| {
             let wave = |x: f64, y: f64| libm::sin(7.0 * x + 3.0 * y);
-            at * 1.02
-                + 0.01 * muslin::glam::DVec3::new(wave(at.x, at.z), wave(at.z, at.x), wave(at.x + 1.0, at.y))
+            at * 1.02 + 0.01 * DVec3::new(wave(at.x, at.z), wave(at.z, at.x), wave(at.x + 1.0, at.y))
         })
         .collect()
 }
@@ -87,6 +101,58 @@ fn swept(model: &Model, positions: &Points, blocks: &[Range<usize>]) -> (Points,
         }
     }
     (forces, bounds)
+}
+
+/// Stiffness tensors [N/m] of all springs, `blocks` by blocks with one sweep, or if `is_new` with a new one each.
+fn tensors(model: &Model, positions: &Points, blocks: &[Range<usize>], is_new: bool) -> StiffnessTensors {
+    let mut tensors = StiffnessTensors::zeros(positions.len());
+    let mut sweep = Sweep::default();
+    for block in blocks {
+        if is_new {
+            sweep = Sweep::default();
+        }
+        add_tensors(model, positions, block, &mut tensors, &mut sweep);
+    }
+    tensors
+}
+
+/// The same with one sweep that goes over all blocks twice, from forces to tensors and back.
+fn tensors_by_turns(model: &Model, positions: &Points, blocks: &[Range<usize>]) -> StiffnessTensors {
+    let mut tensors = StiffnessTensors::zeros(positions.len());
+    let mut forces = Points::zeros(positions.len());
+    let mut sweep = Sweep::default();
+    for (index, block) in [0, 1].into_iter().flat_map(|first| (first..).zip(blocks)) {
+        if index % 2 == 0 {
+            add_tensors(model, positions, block, &mut tensors, &mut sweep);
+        } else {
+            for force in model.forces() {
+                force.add_forces(at(model, positions), block, &mut forces.slice_mut(block), &mut sweep);
+            }
+        }
+    }
+    tensors
+}
+
+fn add_tensors(
+    model: &Model,
+    positions: &Points,
+    block: &Range<usize>,
+    StiffnessTensors { diagonal, off_diagonal }: &mut StiffnessTensors,
+    sweep: &mut Sweep,
+) {
+    let (diagonal, off_diagonal) = (diagonal.slice_mut(block), off_diagonal.slice_mut(block));
+    let mut own = StiffnessTensorsMut { diagonal, off_diagonal };
+    for force in model.forces() {
+        force.add_stiffness_tensors(at(model, positions), block, &mut own, sweep);
+    }
+}
+
+/// The rows of all cloths.
+fn rows(model: &Model) -> Vec<Range<usize>> {
+    let grids = model.cloths().iter().map(|cloth| cloth.grid);
+    grids
+        .flat_map(|grid| (0..grid.rows).map(move |row| grid.particle(0, row)..grid.particle(0, row + 1)))
+        .collect()
 }
 
 /// Whether all bits are the same; zeros of both signs count as one.
@@ -127,17 +193,52 @@ fn a_sweep_changes_no_bit() {
         let model = Model::new(&scene);
         let positions = bent(&model, &scene);
         let (forces, bounds) = swept(&model, &positions, model.blocks());
-        let mut rows = Vec::new();
-        for cloth in model.cloths() {
-            let grid = cloth.grid;
-            rows.extend((0..grid.rows).map(|row| grid.particle(0, row)..grid.particle(0, row + 1)));
-        }
+        let rows = rows(&model);
         let backwards: Vec<Range<usize>> = rows.iter().rev().cloned().collect();
         for (blocks, what) in [(&rows, "row by row"), (&backwards, "backwards")] {
             let (other_forces, other_bounds) = swept(&model, &positions, blocks);
             assert_same(&forces, &other_forces, &format!("{size:?} {what}"));
             assert_eq!(bounds, other_bounds, "{size:?} {what}");
         }
+    }
+}
+
+/// So do the stiffness tensors, and where the sweep is one of forces by turns.
+#[test]
+fn a_sweep_changes_no_bit_of_stiffness() {
+    for (case, size) in SIZES.into_iter().enumerate() {
+        let scene = scene(case, size).scene();
+        let model = Model::new(&scene);
+        let positions = bent(&model, &scene);
+        let expected = tensors(&model, &positions, model.blocks(), false);
+        let rows = rows(&model);
+        let backwards: Vec<Range<usize>> = rows.iter().rev().cloned().collect();
+        for (blocks, what) in [(model.blocks(), "blocks"), (&rows, "rows"), (&backwards, "backwards")] {
+            for (found, how) in [
+                (tensors(&model, &positions, blocks, false), "with one sweep"),
+                (tensors(&model, &positions, blocks, true), "with new sweeps"),
+                (tensors_by_turns(&model, &positions, blocks), "by turns"),
+            ] {
+                let what = format!("{size:?} {what} {how}");
+                assert_same(&found.diagonal, &expected.diagonal, &what);
+                assert_same(&found.off_diagonal, &expected.off_diagonal, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_set_of_instructions_gives_the_same_stiffness() {
+    for (case, size) in SIZES.into_iter().enumerate() {
+        let scene = scene(case, size).scene();
+        let mut found = InstructionSet::available().map(|instructions| {
+            let model = Model::with_instructions(&scene, instructions);
+            let positions = bent(&model, &scene);
+            let (_, bounds) = swept(&model, &positions, model.blocks());
+            (tensors(&model, &positions, model.blocks(), false), bounds)
+        });
+        let first = found.next();
+        assert!(found.all(|other| Some(&other) == first.as_ref()), "{size:?}");
     }
 }
 
@@ -174,30 +275,146 @@ fn sweeps_add_up_the_springs_one_by_one() {
     }
 }
 
-/// Pins that move and limits come between motion and forces, and threads take both apart: neither changes a bit.
+/// Both ends have w (k_a n nᵀ + c (1 − n nᵀ)) of each linear spring, as far as k_a and c are positive, with w = 1 if the other
+/// end is pinned and 2 if it is free: to rounding.
+#[test]
+fn stiffness_tensors_add_up_the_springs_one_by_one() {
+    for (size, is_rest_length) in SIZES.into_iter().flat_map(|size| [(size, false), (size, true)]) {
+        for is_last in [false, true] {
+            let mut numbers = scene(0, size);
+            numbers.gravity = [0.0; 3];
+            for cloth in &mut numbers.cloths {
+                (cloth.laws, cloth.rest_length_direction) = (LAWS[0], is_rest_length);
+            }
+            if is_last {
+                numbers.cloths.reverse();
+            }
+            let stiffnesses: Vec<[f64; 3]> = numbers.cloths.iter().map(|cloth| cloth.stiffnesses).collect();
+            let scene = numbers.scene();
+            let model = Model::new(&scene);
+            let positions = bent(&model, &scene);
+            let found = tensors(&model, &positions, model.blocks(), false);
+            let mut expected = vec![DMat3::ZERO; positions.len()];
+            let mut largest = 0.0_f64;
+            for (force, stiffnesses) in model.forces().iter().zip(stiffnesses) {
+                force.visit_springs(&mut |spring| {
+                    let d = positions.get(spring.particles[1]) - positions.get(spring.particles[0]);
+                    let stiffness = stiffnesses[spring.family as usize];
+                    let tensor = spring_tensor(stiffness, spring.rest_length, d, is_rest_length);
+                    largest = largest.max(tensor.x_axis.length());
+                    for [own, other] in [[0, 1], [1, 0]].map(|ends| ends.map(|end| spring.particles[end])) {
+                        let weight = if model.particles().pinned()[other] { 1.0 } else { 2.0 };
+                        expected[own] += weight * tensor;
+                    }
+                });
+            }
+            assert!(largest > 0.0, "{size:?} has no stiff spring");
+            for (particle, expected) in expected.into_iter().enumerate() {
+                let (diagonal, off_diagonal) =
+                    (found.diagonal.get(particle), found.off_diagonal.get(particle));
+                let [x, y, z] = expected.to_cols_array_2d();
+                let error = (diagonal - DVec3::new(x[0], y[1], z[2])).length()
+                    + (off_diagonal - DVec3::new(y[2], x[2], x[1])).length();
+                assert!(
+                    error <= 1e-12 * largest,
+                    "{size:?} {is_rest_length} {is_last}: particle {particle}: {diagonal} {off_diagonal} and {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// k_a⁺ n nᵀ + c⁺ (1 − n nᵀ) [N/m] of a linear spring of `stiffness` [N/m] and `rest_length` [m] with the vector `d` [m].
+fn spring_tensor(stiffness: f64, rest_length: f64, d: DVec3, is_rest_length: bool) -> DMat3 {
+    let (length, n) = (d.length(), d / d.length());
+    let tension = stiffness * (length - rest_length);
+    let [along, across] = if is_rest_length {
+        [(stiffness * length + tension) / rest_length, tension / rest_length]
+    } else {
+        [stiffness, tension / length]
+    };
+    let normal = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+    normal * along.max(0.0) + (DMat3::IDENTITY - normal) * across.max(0.0)
+}
+
+/// The bounds that vary are those of all springs but for those that do not, which loops over neighbours find: to rounding.
+#[test]
+fn varying_bounds_add_up_the_springs_one_by_one() {
+    let mut vary = 0;
+    for (case, size) in SIZES
+        .into_iter()
+        .enumerate()
+        .flat_map(|(case, size)| (0..LAWS.len()).map(move |more| (case + more * SIZES.len(), size)))
+    {
+        let mut numbers = scene(case, size);
+        numbers.gravity = [0.0; 3];
+        let scene = numbers.scene();
+        let model = Model::new(&scene);
+        let positions = bent(&model, &scene);
+        let at = at(&model, &positions);
+        let mut sweep = Sweep::default();
+        for force in model.forces().iter().filter(|force| force.has_varying_bounds()) {
+            let [mut found, mut all, mut constant] = [(); 3].map(|()| vec![0.0; positions.len()]);
+            let mut forces = Points::zeros(positions.len());
+            for block in model.blocks() {
+                let own = &mut forces.slice_mut(block);
+                let bounds = &mut found[block.clone()];
+                force.add_forces_and_varying_bounds(at, block, own, bounds, &mut sweep);
+                force.add_stiffness_bounds(at, block, &mut all[block.clone()]);
+                force.add_constant_bounds(at, block, &mut constant[block.clone()]);
+            }
+            let largest = all.iter().copied().fold(0.0, f64::max);
+            for (particle, bound) in found.into_iter().enumerate() {
+                let expected = all[particle] - constant[particle];
+                let error = (bound - expected).abs();
+                assert!(
+                    error <= 1e-12 * largest,
+                    "{case} {size:?}: particle {particle}: {bound}, {expected}"
+                );
+                vary += usize::from(bound > 0.0);
+            }
+        }
+    }
+    assert!(vary > 0, "no bound varies");
+}
+
+/// Pins that move and limits come between motion and forces, and threads take both apart: neither changes a bit. Nor does it
+/// whether the state before is kept.
 #[test]
 fn one_pass_gives_the_bits_of_two() {
     let mut moving = SceneNumbers::default();
     moving.cloths[0].motion =
-        Some(SineNumbers { axis: [0.0, 1.0, 0.0], amplitude: 0.0, frequency: 1.0, phase: 0.0 });
-    for numbers in [SceneNumbers::default(), scene(1, (40, 30)), scene(3, (140, 20)), moving] {
+        Some(SineNumbers { axis: [0.0, 1.0, 0.0], amplitude: 0.02, frequency: 1.0, phase: 0.5 });
+    let mut limited = SceneNumbers::default();
+    limited.cloths[0].limit = Some("{ kind = \"cut-off\", strain = 1e-5 }");
+    limited.cloths[0].height_axis = [0.0, -1.0, 0.0];
+    let mut still = scene(0, (30, 40));
+    still.cloths[0].pins = (0..1200).map(|particle| (particle % 30, particle / 30)).collect();
+    let others = [scene(1, (40, 30)), scene(3, (140, 20)), moving, limited, still];
+    for numbers in [SceneNumbers::default()].into_iter().chain(others) {
         let scene = numbers.scene();
         let model = Model::new(&scene);
         let start = model.initial_state(&scene);
         let step = 0.2 * block_stable_step(&model, &start).min(1e-3);
-        let ends = [1, 2, 3].map(|threads| {
+        let cases = [(1, false), (1, true), (2, false), (3, true)];
+        let ends = cases.map(|(threads, is_kept)| {
             let mut state = start.clone();
+            let mut before = State::at_rest(Points::default());
             let mut method = CentralDifference::new(common::workers(threads));
             method.eval_forces(&model, &state);
             let mut motions = Vec::new();
             for count in 1..=20 {
                 let to = StepTo { step, time: f64::from(count) * step, is_measured: count % 3 == 0 };
-                let motion = method.step_to(&model, &mut state, None, to);
-                motions.push(motion.unwrap_or_else(|error| panic!("{error}")));
+                let was = state.clone();
+                let motion = method.step_to(&model, &mut state, is_kept.then_some(&mut before), to);
+                let motion = motion.unwrap_or_else(|error| panic!("{error}"));
+                assert!(to.is_measured || motion == Motion::default(), "what is not measured is zero");
+                motions.push(motion);
+                assert!(!is_kept || before == was, "step {count}");
             }
-            (StateHash::new(&state.positions, &state.velocities), motions)
+            assert!(model.limits().is_empty() || state.limit_work != LimitWork::default());
+            (StateHash::new(&state.positions, &state.velocities), state.limit_work, motions)
         });
-        assert_eq!(ends[0], ends[1]);
-        assert_eq!(ends[0], ends[2]);
+        assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
     }
 }

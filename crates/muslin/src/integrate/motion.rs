@@ -277,3 +277,145 @@ pub(super) fn combined(moved: &[Moved]) -> Option<Moved> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::InstructionSet;
+
+    const STEPS: Steps = Steps { last: 2e-3, next: 3e-3 };
+
+    /// Particles of two kinds, some of them pinned, in long and short runs; `count` of them.
+    fn particles(count: usize) -> Particles {
+        let mut particles = Particles::default();
+        for index in 0..count {
+            let (mass, drag) = if index % 37 < 3 { (2e-3, 0.0) } else { (1e-3, 0.2) };
+            particles.extend(1, mass, drag);
+        }
+        // One is free within a run of pins.
+        let is_pin = |index: usize| index % 41 == 0 || ((100..130).contains(&index) && index != 110);
+        (0..count).filter(|&index| is_pin(index)).for_each(|index| {
+            particles.pin(index);
+        });
+        particles.find_runs();
+        particles
+    }
+
+    /// A wave of points of about `size`.
+    fn wave(count: usize, size: f64) -> Points {
+        (0..count)
+            .map(|index| {
+                let angle = 0.7 * index as f64;
+                size * DVec3::new(libm::sin(angle), libm::cos(1.3 * angle), libm::sin(0.1 * angle))
+            })
+            .collect()
+    }
+
+    /// What comes of `state` with blocks of `size` particles: in its own place, or if `is_apart` in that of another state.
+    fn moved(
+        particles: &Particles,
+        (state, forces): (&State, &Points),
+        size: usize,
+        is_apart: bool,
+        instructions: InstructionSet,
+    ) -> (State, Moved) {
+        let count = particles.len();
+        let (from, mut to) =
+            if is_apart { (Some(state), State::at_rest(wave(count, 9.0))) } else { (None, state.clone()) };
+        let mut results = Vec::new();
+        for start in (0..count).step_by(size) {
+            let block = &(start..(start + size).min(count));
+            let (positions, velocities) = (to.positions.slice_mut(block), to.velocities.slice_mut(block));
+            results.push(instructions.run(MoveBlock {
+                from,
+                particles,
+                steps: STEPS,
+                block,
+                positions,
+                velocities,
+                forces,
+                is_measured: true,
+            }));
+        }
+        (to, combined(&results).expect("a block"))
+    }
+
+    /// Particle by particle with constants of its own, and the energies of the free ones.
+    fn expected(particles: &Particles, state: &State, forces: &Points) -> (State, Motion) {
+        let (mut to, mut motion) = (state.clone(), Motion::default());
+        for index in 0..particles.len() {
+            if particles.pinned()[index] {
+                to.velocities.set(index, DVec3::ZERO);
+                continue;
+            }
+            let (mass, drag) = (particles.masses()[index], particles.drags()[index]);
+            let Factors { velocity, force } = Factors::new(mass, drag, STEPS);
+            let before = state.velocities.get(index);
+            let after = velocity * before + force * forces.get(index);
+            to.velocities.set(index, after);
+            to.positions.set(index, state.positions.get(index) + STEPS.next * after);
+            motion = motion.add(Motion {
+                kinetic_energy: 0.5 * mass * after.length_squared(),
+                power_before: forces.get(index).dot(before),
+                power_after: forces.get(index).dot(after),
+            });
+        }
+        (to, motion)
+    }
+
+    /// With the same bits; energies, which are summed in another order, to rounding.
+    #[test]
+    fn blocks_move_as_their_particles_do() {
+        for count in [1, 7, 500] {
+            let particles = particles(count);
+            let mut state = State::at_rest(wave(count, 1.0));
+            state.velocities = wave(count, 3.0);
+            let forces = wave(count, 0.5);
+            let (end, motion) = expected(&particles, &state, &forces);
+            for instructions in InstructionSet::available() {
+                for (size, is_apart) in [(1, false), (1, true), (97, false), (97, true), (500, true)] {
+                    let (found, moved) = moved(&particles, (&state, &forces), size, is_apart, instructions);
+                    let case = format!("{count} by {size} with {}, apart: {is_apart}", instructions.name());
+                    assert_eq!(found.positions, end.positions, "{case}");
+                    assert_eq!(found.velocities, end.velocities, "{case}");
+                    assert!(moved.is_finite, "{case}");
+                    for (found, expected) in [
+                        (moved.motion.kinetic_energy, motion.kinetic_energy),
+                        (moved.motion.power_before, motion.power_before),
+                        (moved.motion.power_after, motion.power_after),
+                    ] {
+                        // Of numbers below 2e-2 J and 3 W each.
+                        assert!(
+                            (found - expected).abs() <= 1e-14 * count as f64,
+                            "{case}: {found}, {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// What overflows on a pin moves nothing, alone in its run or in a long one; on any free particle it is reported.
+    #[test]
+    fn only_free_particles_leave_the_range_of_numbers() {
+        let particles = particles(300);
+        let mut state = State::at_rest(wave(300, 1.0));
+        state.velocities = wave(300, 3.0);
+        for overflowing in [f64::MAX, f64::INFINITY, f64::NAN] {
+            for (index, axis) in (0..300).flat_map(|index| DVec3::AXES.map(|axis| (index, axis))) {
+                let mut forces = wave(300, 0.5);
+                let force = DVec3::select(axis.cmpgt(DVec3::ZERO), DVec3::splat(overflowing), DVec3::ZERO);
+                forces.set(index, force);
+                let is_pinned = particles.pinned()[index];
+                for is_apart in [false, true] {
+                    let best = InstructionSet::best();
+                    let (end, moved) = moved(&particles, (&state, &forces), 120, is_apart, best);
+                    assert_eq!(moved.is_finite, is_pinned, "{force} N on particle {index}");
+                    assert_eq!(end.positions.is_finite(), is_pinned, "{force} N on particle {index}");
+                }
+            }
+        }
+    }
+}

@@ -36,11 +36,11 @@ pub struct ParticleRun {
 pub struct ParticleStretch<'a> {
     /// The particles.
     pub particles: Range<usize>,
-    /// Mass m [kg] of most.
+    /// Mass m [kg] of all but the others.
     pub mass: f64,
-    /// Linear drag k_d [kg/s] of most.
+    /// Linear drag k_d [kg/s] of all but the others.
     pub drag: f64,
-    /// Whether most are pinned.
+    /// Whether all but the others are pinned.
     pub is_pinned: bool,
     /// The others in ascending order, [`MAX_OTHERS`](Self::MAX_OTHERS) at most.
     pub others: &'a [OtherParticle],
@@ -227,5 +227,88 @@ impl Particles {
     /// Pins `particle`; whether it was free.
     pub(crate) fn pin(&mut self, particle: usize) -> bool {
         !std::mem::replace(&mut self.pinned[particle], true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scene::GridSettings;
+
+    /// Runs of particles of a few kinds, most of them of one, with pins among them.
+    fn random_particles() -> impl Strategy<Value = Particles> {
+        let kinds = prop_oneof![4 => Just((1e-3, 0.0)), 1 => Just((2e-3, 0.0)), 1 => Just((1e-3, 0.5))];
+        let run = (kinds, prop_oneof![1..4_usize, 1..100_usize], prop::bool::weighted(0.2));
+        prop::collection::vec(run, 0..60).prop_map(|runs| {
+            let mut particles = Particles::default();
+            for ((mass, drag), count, is_pinned) in runs {
+                let first = particles.len();
+                particles.extend(count, mass, drag);
+                (first..first + count).filter(|_| is_pinned).for_each(|particle| {
+                    particles.pin(particle);
+                });
+            }
+            particles.find_runs();
+            particles
+        })
+    }
+
+    proptest! {
+        /// Of every particle they say what the arrays say, for any block.
+        #[test]
+        fn stretches_and_runs_are_what_the_arrays_are(
+            particles in random_particles(),
+            cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..6),
+        ) {
+            let count = particles.len();
+            let mut cuts: Vec<usize> = cuts.into_iter().map(|cut| cut.index(count + 1)).collect();
+            cuts.extend([0, count]);
+            cuts.sort_unstable();
+            let constants =
+                |index: usize| (particles.masses[index], particles.drags[index], particles.pinned[index]);
+            for block in cuts.windows(2).map(|ends| ends[0]..ends[1]) {
+                let mut next = block.start;
+                for stretch in particles.stretches(&block) {
+                    prop_assert!(stretch.particles.start == next && next < stretch.particles.end);
+                    prop_assert!(stretch.others.len() <= ParticleStretch::MAX_OTHERS);
+                    let mut others = stretch.others.iter().peekable();
+                    for particle in stretch.particles.clone() {
+                        let found = match others.next_if(|other| other.particle == particle) {
+                            Some(other) => (other.mass, other.drag, other.is_pinned),
+                            None => (stretch.mass, stretch.drag, stretch.is_pinned),
+                        };
+                        prop_assert_eq!(found, constants(particle), "particle {}", particle);
+                    }
+                    prop_assert!(others.next().is_none(), "others out of order or of another stretch");
+                    next = stretch.particles.end;
+                }
+                prop_assert_eq!(next, block.end);
+                let of_runs: Vec<_> = particles
+                    .runs(&block)
+                    .flat_map(|run| run.particles.clone().map(move |_| (run.mass, run.drag, run.is_pinned)))
+                    .collect();
+                prop_assert_eq!(of_runs, block.map(constants).collect::<Vec<_>>());
+            }
+            // Few enough that it costs little to treat them apart.
+            let others: usize = particles.stretches(&(0..count)).map(|stretch| stretch.others.len()).sum();
+            prop_assert!(3 * others <= count, "{others} others of {count}");
+        }
+    }
+
+    /// Inner rows are one stretch, though their ends are lighter: its pieces have as many others as there is room for.
+    #[test]
+    fn a_sheet_has_few_stretches() {
+        let grid = Grid::new(0, GridSettings { columns: 40, rows: 40, width: 1.0, height: 1.0 });
+        let mut particles = Particles::default();
+        particles.extend_by_area(&grid, 0.1, 0.0);
+        particles.pin(grid.particle(20, 20));
+        particles.find_runs();
+        let all = 0..particles.len();
+        let others: Vec<usize> = particles.stretches(&all).map(|stretch| stretch.others.len()).collect();
+        // A corner; the first row with another, and the end below, which is like it; the inner rows with 37 pairs of ends, a
+        // pin, a lone end and a corner; the last row with a corner.
+        assert_eq!(others, [0, 1, 32, 32, 74 + 3 - 64, 1], "of {} runs", particles.runs(&all).count());
     }
 }
