@@ -3,7 +3,7 @@
 mod common;
 
 use common::{ClothNumbers, SceneNumbers, WindNumbers, finish, model_and_state};
-use muslin::force::{Configuration, StrainSums};
+use muslin::force::{Configuration, StrainSums, Sweep};
 use muslin::integrate::StepError;
 use muslin::integrate::{CentralDifference, Integrator, Workers};
 use muslin::observe::{EnergyLedger, Observer, Recorder};
@@ -160,5 +160,30 @@ fn springs_are_shown_as_they_are_counted() {
         let length = state.positions.get(own).distance(state.positions.get(other));
         // Rounding of coordinates up to 1 m.
         assert!((length - spring.rest_length).abs() < 1e-14, "{spring:?}");
+    }
+}
+
+/// Overwriting is adding to zero, to the bit: also for particles at edges, whose masses are others, and for pins.
+#[test]
+fn forces_that_are_set_are_those_added_to_zero() {
+    let cloth = ClothNumbers { columns: 13, rows: 11, is_measured: true, ..ClothNumbers::default() };
+    let (model, state) =
+        model_and_state(&SceneNumbers { cloths: vec![cloth.clone(), cloth], ..SceneNumbers::default() });
+    let at = Configuration {
+        time: 0.0,
+        particles: model.particles(),
+        positions: &state.positions,
+        velocities: &state.velocities,
+        memory: &state.memory,
+    };
+    let count = state.positions.len();
+    for force in model.forces() {
+        let (mut set, mut added) = (Points::zeros(count), Points::zeros(count));
+        set.fill(f64::NAN);
+        for block in model.blocks() {
+            force.set_forces(at, block, &mut set.slice_mut(block), &mut Sweep::default());
+            force.add_forces(at, block, &mut added.slice_mut(block), &mut Sweep::default());
+        }
+        assert_eq!(set, added, "{force:?}");
     }
 }

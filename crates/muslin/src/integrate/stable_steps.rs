@@ -134,3 +134,45 @@ impl StableSteps {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::integrate::{CentralDifference, Workers};
+
+    /// Ever more seldom while nothing changes, up to every 64 steps; soon again once the cloth was stretched.
+    #[test]
+    fn a_bound_that_comes_as_expected_is_evaluated_less_often() {
+        let text = "
+            title = ''\n[run]\nduration = 1.0\nstep = 'adaptive'\nframe_rate = 10.0
+            [environment]\ngravity = [0, 0, 0]
+            [fabric.f]\nkind = 'springs'\nparticle_mass = 1e-3\ndrag = 0
+            structural = { stiffness = 10, law = 'linear' }\nshear = { stiffness = 0, law = 'linear' }
+            bend = { stiffness = 0, law = 'linear' }
+            [[cloth]]\nname = 'c'\nfabric = 'f'\ngrid = { columns = 3, rows = 3, width = 1.0, height = 1.0 }
+            place = { origin = [0, 0, 0], width_axis = [1, 0, 0], height_axis = [0, -1, 0] }\npins = [{ row = 0 }]
+        ";
+        let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{}", error.render("test", text)));
+        let model = Model::new(&scene);
+        let mut state = model.initial_state(&scene);
+        let mut method = CentralDifference::new(Workers::single());
+        let mut steps = StableSteps::begin(&mut method, &model, &mut state, true);
+        let step = 0.1 * steps.current().by_blocks;
+        let mut evaluated = Vec::new();
+        for count in 1..=260 {
+            if count == 240 {
+                state.positions = state.positions.iter().map(|position| 2.0 * position).collect();
+                method.eval_forces(&model, &state);
+            }
+            let to = StepTo { step, time: f64::from(count) * step, is_measured: false };
+            let (moved, next) = steps.step_to(&mut method, &model, &mut state, None, to, false);
+            moved.unwrap_or_else(|error| panic!("{error}"));
+            steps.accept(next);
+            if state.step_memory.fastest_age == 0 {
+                evaluated.push(count);
+            }
+        }
+        assert_eq!(evaluated, [16, 48, 112, 176, 240, 256]);
+    }
+}
