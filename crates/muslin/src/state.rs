@@ -109,8 +109,8 @@ impl State {
         }
     }
 
-    /// Leaves all that it is in `before`, and keeps it but for positions and velocities, which are to be overwritten; cheaper than a
-    /// copy, and without new memory if both have as many particles.
+    /// Leaves all that it is in `before`, and keeps it but for positions and velocities, which are to be overwritten;
+    /// cheaper than a copy, and without new memory if both have as many particles.
     pub(crate) fn leave_in(&mut self, before: &mut Self) {
         if before.positions.len() != self.positions.len() {
             before.copy_from(self);

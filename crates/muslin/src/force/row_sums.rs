@@ -76,8 +76,9 @@ impl Pulls {
         }
     }
 
-    /// Finds the stiffness [N/m] of structural `springs` and of other families if it `varies`, in place of pulls, for particles with
-    /// the `weights` of neighbours, beside the tile that left the `border`. What is not written must be zero.
+    /// Finds the stiffness [N/m] of structural `springs` and of other families if it `varies`, in place of pulls, for
+    /// particles with the `weights` of neighbours, beside the tile that left the `border`. What is not written must be
+    /// zero.
     ///
     /// Both ends have it with the same sign, and what pulls hold of springs from above or from the left is the opposite.
     #[inline(always)]
@@ -116,8 +117,8 @@ impl Pulls {
         }
     }
 
-    /// Adds to the `forces` of a strip all that pulls at the particles of a `tile`, and passes on what its springs do to later rows;
-    /// a row of the grid has `columns`.
+    /// Adds to the `forces` of a strip all that pulls at the particles of a `tile`, and passes on what its springs do to
+    /// later rows; a row of the grid has `columns`.
     #[inline(always)]
     pub(super) fn add_to_tile(
         &self,

@@ -121,8 +121,8 @@ impl<L: TensionLaw> Spring<L> {
         }
     }
 
-    /// Stiffnesses [N/m] along and across the spring at a length, zero where negative; the larger one in both places where its
-    /// ends coincide.
+    /// Stiffnesses [N/m] along and across the spring at a length, zero where negative; the larger one in both places where
+    /// its ends coincide.
     #[inline(always)]
     #[must_use]
     pub fn stiffnesses(&self, at: SpringLength) -> [f64; 2] {

@@ -99,7 +99,8 @@ pub(super) struct EndCopies([[[f64; TILE + 2]; 3]; 3]);
 impl EndCopies {
     pub(super) const ZERO: Self = Self([[[0.0; TILE + 2]; 3]; 3]);
 
-    /// The coordinates x, y and z of a `tile` of `grid`: those in `positions` with the zeros behind them, or copies if these are too few.
+    /// The coordinates x, y and z of a `tile` of `grid`: those in `positions` with the zeros behind them, or copies if
+    /// these are too few.
     #[inline(always)]
     pub(super) fn coordinates<'a>(
         &'a mut self,
@@ -128,8 +129,8 @@ impl EndCopies {
     }
 }
 
-/// How many [`columns`] of their rows of the tangent neighbours fill: of the particles of a tile and of all that springs join to
-/// them.
+/// How many [`columns`] of their rows of the tangent neighbours fill: of the particles of a tile and of all that springs
+/// join to them.
 #[derive(Clone, Debug)]
 pub(super) struct Weights {
     rows: [[f64; TILE + 2]; 3],

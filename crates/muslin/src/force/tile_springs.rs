@@ -55,8 +55,9 @@ impl TileSprings {
         }
     }
 
-    /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the law of a
-    /// `group`, and if they are `bounded` their stiffness, zero where it never varies; without a group there are none.
+    /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the
+    /// law of a `group`, and if they are `bounded` their stiffness, zero where it never varies; without a group there are
+    /// none.
     #[inline(always)]
     pub(super) fn eval_coefficients(
         &mut self,
@@ -92,8 +93,8 @@ impl TileSprings {
         }
     }
 
-    /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses a [N/m]
-    /// across them.
+    /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses
+    /// a [N/m] across them.
     #[inline(always)]
     pub(super) fn eval_tensors(
         &mut self,

@@ -78,11 +78,11 @@ pub trait Integrator: Send {
         time: f64,
     ) -> Result<Motion, StepError>;
 
-    /// Moves `state` as [`move_by`](Self::move_by) does, or if `is_measured` as [`move_and_measure`](Self::move_and_measure),
-    /// and then [evaluates the forces](Self::eval_forces), with the same bits; a method may do both in one pass over the
-    /// particles. What is not measured is zero. What `state` was before is left in `before`, if there is one: whoever takes the
-    /// step back swaps them. Positions that `before` held must be finite, or empty: loops in vectors read more than they use, and
-    /// zero times NaN is none.
+    /// Moves `state` as [`move_by`](Self::move_by) does, or if `is_measured` as
+    /// [`move_and_measure`](Self::move_and_measure), and then [evaluates the forces](Self::eval_forces), with the same
+    /// bits; a method may do both in one pass over the particles. What is not measured is zero. What `state` was before is
+    /// left in `before`, if there is one: whoever takes the step back swaps them. Positions that `before` held must be
+    /// finite, or empty: loops in vectors read more than they use, and zero times NaN is none.
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).

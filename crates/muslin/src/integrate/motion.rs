@@ -136,8 +136,8 @@ impl Axis<'_> {
         self.from.map_or(&*self.velocities, |(_, velocities)| velocities)
     }
 
-    /// Moves the particles of a `stretch` by `step` [s], in a block that begins with particle `first`; whether all positions stay
-    /// finite. The `factors` are those of most particles, and of all others.
+    /// Moves the particles of a `stretch` by `step` [s], in a block that begins with particle `first`; whether all
+    /// positions stay finite. The `factors` are those of most particles, and of all others.
     #[inline(always)]
     fn move_stretch(
         &mut self,

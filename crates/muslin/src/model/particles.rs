@@ -128,8 +128,8 @@ impl Particles {
         })
     }
 
-    /// The particles of `block` in ascending order, in stretches of mostly equal ones: longer than runs where edges of a cloth
-    /// or pins lie between.
+    /// The particles of `block` in ascending order, in stretches of mostly equal ones: longer than runs where edges of a
+    /// cloth or pins lie between.
     pub fn stretches(&self, block: &Range<usize>) -> impl Iterator<Item = ParticleStretch<'_>> + '_ {
         let block = block.clone();
         let first = self.stretches.partition_point(|stretch| stretch.alike.particles.end <= block.start);
