@@ -62,7 +62,7 @@ impl Vectorise for TensorSweep<'_, '_> {
                         (true, false) => eval_entry::<true, false>(pulls, tile_springs, axes, weights, &part),
                         (false, true) => eval_entry::<false, true>(pulls, tile_springs, axes, weights, &part),
                         (false, false) => {
-                            eval_entry::<false, false>(pulls, tile_springs, axes, weights, &part)
+                            eval_entry::<false, false>(pulls, tile_springs, axes, weights, &part);
                         }
                     }
                     borders[entry] = pulls.border(part.columns.len());
