@@ -46,7 +46,7 @@ pub(super) struct GridFamily {
 pub(super) struct Neighbour {
     columns: isize,
     rows: isize,
-    rest_length: f64,
+    pub(super) rest_length: f64,
 }
 
 /// The particles of one row that have a certain neighbour, and the row of these neighbours.
@@ -99,7 +99,6 @@ impl GridSprings {
     }
 
     /// Calls `visit` with family, the pairs of rows and the rest length, once for every spring.
-    #[inline(always)]
     pub(super) fn for_each_spring_row(&self, mut visit: impl FnMut(&GridFamily, RowPair, f64)) {
         for family in &self.families {
             for row in 0..self.grid.rows {
@@ -195,7 +194,7 @@ impl Neighbour {
     }
 
     /// Whether this end numbers the spring: one of two opposite neighbours does.
-    fn is_ahead(&self) -> bool {
+    pub(super) fn is_ahead(&self) -> bool {
         0 < self.rows || (self.rows == 0 && 0 < self.columns)
     }
 

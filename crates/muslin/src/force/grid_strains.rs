@@ -23,41 +23,54 @@ impl Vectorise for RaiseMaxStrains<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { springs, positions, max_strains } = self;
-        springs.for_each_spring_row(|family, pair, rest_length| {
-            let max = &mut max_strains[family.family as usize];
-            *max = max.max(strain(max_length_squared(positions, &pair), rest_length));
-        });
+        // No closures, which would not be compiled for the same instructions.
+        for group in &springs.families {
+            let ahead = || group.neighbours.iter().filter(|neighbour| neighbour.is_ahead());
+            // Of the springs in both directions of a family.
+            let mut longest = [[0.0; LANES]; 2];
+            for row in 0..springs.grid.rows {
+                for (longest, neighbour) in longest.iter_mut().zip(ahead()) {
+                    for pair in neighbour.row_pairs(&springs.grid, row, group.lines) {
+                        raise_squared_lengths(longest, positions, &pair);
+                    }
+                }
+            }
+            let max = &mut max_strains[group.family as usize];
+            for (longest, neighbour) in longest.iter().zip(ahead()) {
+                let longest = longest.iter().fold(0.0, |max, &value| if value > max { value } else { max });
+                *max = max.max(strain(longest, neighbour.rest_length));
+            }
+        }
     }
 }
 
-/// The largest squared length [m²] of the springs between `own` and `other` particles.
+/// Raises `longest` to the squared lengths [m²] of the springs between `own` and `other` particles.
 #[inline(always)]
-fn max_length_squared(positions: &Points, pair: &RowPair) -> f64 {
-    let count = pair.own.len();
+fn raise_squared_lengths(longest: &mut [f64; LANES], positions: &Points, RowPair { own, other }: &RowPair) {
     let Points { x, y, z } = positions;
-    let [x, y, z] = [x, y, z].map(|values| &values[pair.own.clone()][..count]);
-    let Points { x: other_x, y: other_y, z: other_z } = positions;
-    let [other_x, other_y, other_z] =
-        [other_x, other_y, other_z].map(|values| &values[pair.other.clone()][..count]);
-    let length_squared = |i: usize| {
-        let [dx, dy, dz] = [other_x[i] - x[i], other_y[i] - y[i], other_z[i] - z[i]];
-        dx * dx + dy * dy + dz * dz
-    };
-    let mut maxima = [0.0_f64; LANES];
-    let mut raise = |start: usize| {
-        for (lane, max) in maxima.iter_mut().enumerate() {
-            let value = length_squared(start + lane);
-            *max = if value > *max { value } else { *max };
-        }
-    };
+    let (own_x, own_y, own_z) = (&x[own.clone()], &y[own.clone()], &z[own.clone()]);
+    let (other_x, other_y, other_z) = (&x[other.clone()], &y[other.clone()], &z[other.clone()]);
+    let count = own_x.len();
     if count < LANES {
-        return (0..count).map(length_squared).fold(0.0, f64::max);
+        for i in 0..count {
+            let [dx, dy, dz] = [other_x[i] - own_x[i], other_y[i] - own_y[i], other_z[i] - own_z[i]];
+            let value = dx * dx + dy * dy + dz * dz;
+            longest[i] = if value > longest[i] { value } else { longest[i] };
+        }
+        return;
     }
     for start in (0..count).step_by(LANES) {
         // In the end some springs again, which costs less than the last ones one by one.
-        raise(start.min(count - LANES));
+        let start = start.min(count - LANES);
+        let (own_x, other_x) = (&own_x[start..][..LANES], &other_x[start..][..LANES]);
+        let (own_y, other_y) = (&own_y[start..][..LANES], &other_y[start..][..LANES]);
+        let (own_z, other_z) = (&own_z[start..][..LANES], &other_z[start..][..LANES]);
+        for i in 0..LANES {
+            let [dx, dy, dz] = [other_x[i] - own_x[i], other_y[i] - own_y[i], other_z[i] - own_z[i]];
+            let value = dx * dx + dy * dy + dz * dz;
+            longest[i] = if value > longest[i] { value } else { longest[i] };
+        }
     }
-    maxima.into_iter().fold(0.0, |max, value| if value > max { value } else { max })
 }
 
 /// Adds the strains of all `springs` at `positions` [m], per family in the order of [`Family::ALL`].
