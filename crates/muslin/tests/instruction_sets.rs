@@ -68,7 +68,7 @@ fn scene(case: usize, (columns, rows): (usize, usize)) -> SceneNumbers {
         is_measured,
         ..ClothNumbers::default()
     };
-    let cloths = if case % 2 == 0 { vec![cloth, other] } else { vec![other, cloth] };
+    let cloths = if case.is_multiple_of(2) { vec![cloth, other] } else { vec![other, cloth] };
     SceneNumbers { cloths, step_rule: StepNumbers::Adaptive, ..SceneNumbers::default() }
 }
 
@@ -121,8 +121,8 @@ fn tensors_by_turns(model: &Model, positions: &Points, blocks: &[Range<usize>]) 
     let mut tensors = StiffnessTensors::zeros(positions.len());
     let mut forces = Points::zeros(positions.len());
     let mut sweep = Sweep::default();
-    for (index, block) in [0, 1].into_iter().flat_map(|first| (first..).zip(blocks)) {
-        if index % 2 == 0 {
+    for (index, block) in [0_usize, 1].into_iter().flat_map(|first| (first..).zip(blocks)) {
+        if index.is_multiple_of(2) {
             add_tensors(model, positions, block, &mut tensors, &mut sweep);
         } else {
             for force in model.forces() {

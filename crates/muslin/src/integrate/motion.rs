@@ -295,7 +295,7 @@ mod tests {
             particles.extend(1, mass, drag);
         }
         // One is free within a run of pins.
-        let is_pin = |index: usize| index % 41 == 0 || ((100..130).contains(&index) && index != 110);
+        let is_pin = |index: usize| index.is_multiple_of(41) || ((100..130).contains(&index) && index != 110);
         (0..count).filter(|&index| is_pin(index)).for_each(|index| {
             particles.pin(index);
         });
