@@ -18,7 +18,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ("limit", &["points", "scene", "model::Grid", "model::Particles"]),
     ("model", &["points", "instructions", "scene", "state", "force", "limit"]),
     ("integrate", &["points", "instructions", "scene", "state", "force", "model"]),
-    ("observe", &["points", "scene", "state", "force", "model"]),
+    ("observe", &["points", "instructions", "scene", "state", "force", "model"]),
     ("statics", &["points", "state", "force", "model"]),
     ("lab", &["points", "scene", "state", "force", "model", "integrate", "statics"]),
     ("write", &["points", "model", "observe", "force::Family"]),

@@ -35,7 +35,7 @@ pub(super) struct GridFamily {
     pub(super) family: Family,
     pub(super) law: SpringLaw,
     direction: ForceDirection,
-    pub(super) neighbours: Vec<Neighbour>,
+    neighbours: Vec<Neighbour>,
     /// Rest lengths [m] of the springs of the family's first and second direction, where the group has them.
     rest_lengths: [Option<f64>; 2],
     pub(super) lines: Lines,
@@ -46,7 +46,7 @@ pub(super) struct GridFamily {
 pub(super) struct Neighbour {
     columns: isize,
     rows: isize,
-    pub(super) rest_length: f64,
+    rest_length: f64,
 }
 
 /// The particles of one row that have a certain neighbour, and the row of these neighbours.
@@ -194,7 +194,7 @@ impl Neighbour {
     }
 
     /// Whether this end numbers the spring: one of two opposite neighbours does.
-    pub(super) fn is_ahead(&self) -> bool {
+    fn is_ahead(&self) -> bool {
         0 < self.rows || (self.rows == 0 && 0 < self.columns)
     }
 

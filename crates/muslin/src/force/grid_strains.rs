@@ -1,6 +1,9 @@
 //! Strains of a grid's springs.
 
-use super::grid_springs::{GridSprings, RowPair};
+use super::grid_springs::GridSprings;
+use super::row_sweep::strips;
+use super::tile::{EndCopies, SHAPES, Tile};
+use super::tile_springs::TileSprings;
 use super::{Family, StrainSums};
 use crate::Points;
 use crate::instructions::Vectorise;
@@ -23,52 +26,46 @@ impl Vectorise for RaiseMaxStrains<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { springs, positions, max_strains } = self;
+        let (grid, swept) = (&springs.grid, springs.swept());
+        let has_bend_springs = springs.has_bend_springs();
+        let (mut tile_springs, mut end_copies) = (TileSprings::ZERO, EndCopies::ZERO);
+        let mut longest = [[[0.0; LANES]; 2]; 3];
         // No closures, which would not be compiled for the same instructions.
-        for group in &springs.families {
-            let ahead = || group.neighbours.iter().filter(|neighbour| neighbour.is_ahead());
-            // Of the springs in both directions of a family.
-            let mut longest = [[0.0; LANES]; 2];
-            for row in 0..springs.grid.rows {
-                for (longest, neighbour) in longest.iter_mut().zip(ahead()) {
-                    for pair in neighbour.row_pairs(&springs.grid, row, group.lines) {
-                        raise_squared_lengths(longest, positions, &pair);
+        for (rows, _) in strips(grid, &(0..grid.rows), false) {
+            for tile in Tile::of(grid, &rows) {
+                let coordinates = end_copies.coordinates(&tile, grid, positions);
+                tile_springs.eval_squares(coordinates, has_bend_springs, &tile);
+                for index in 0..3 {
+                    for direction in 0..2 {
+                        if swept[index][direction].is_some() {
+                            let squares = tile_springs.squares([index, direction], &tile, grid);
+                            raise(&mut longest[index][direction], squares);
+                        }
                     }
                 }
             }
-            let max = &mut max_strains[group.family as usize];
-            for (longest, neighbour) in longest.iter().zip(ahead()) {
-                let longest = longest.iter().fold(0.0, |max, &value| if value > max { value } else { max });
-                *max = max.max(strain(longest, neighbour.rest_length));
+        }
+        for (index, max) in max_strains.iter_mut().enumerate() {
+            for (direction, group) in swept[index].into_iter().enumerate() {
+                let shape = &SHAPES[index][direction];
+                let has_springs = shape.reach() < grid.columns && shape.rows < grid.rows;
+                let spring = group.and_then(|group| group.spring_of((), direction)).filter(|_| has_springs);
+                if let Some(spring) = spring {
+                    let longest = longest[index][direction].into_iter().fold(0.0, f64::max);
+                    *max = max.max(strain(longest, spring.rest_length));
+                }
             }
         }
     }
 }
 
-/// Raises `longest` to the squared lengths [m²] of the springs between `own` and `other` particles.
+/// Raises `longest` to `values`, lane by lane.
 #[inline(always)]
-fn raise_squared_lengths(longest: &mut [f64; LANES], positions: &Points, RowPair { own, other }: &RowPair) {
-    let Points { x, y, z } = positions;
-    let (own_x, own_y, own_z) = (&x[own.clone()], &y[own.clone()], &z[own.clone()]);
-    let (other_x, other_y, other_z) = (&x[other.clone()], &y[other.clone()], &z[other.clone()]);
-    let count = own_x.len();
-    if count < LANES {
-        for i in 0..count {
-            let [dx, dy, dz] = [other_x[i] - own_x[i], other_y[i] - own_y[i], other_z[i] - own_z[i]];
-            let value = dx * dx + dy * dy + dz * dz;
-            longest[i] = if value > longest[i] { value } else { longest[i] };
-        }
-        return;
-    }
-    for start in (0..count).step_by(LANES) {
-        // In the end some springs again, which costs less than the last ones one by one.
-        let start = start.min(count - LANES);
-        let (own_x, other_x) = (&own_x[start..][..LANES], &other_x[start..][..LANES]);
-        let (own_y, other_y) = (&own_y[start..][..LANES], &other_y[start..][..LANES]);
-        let (own_z, other_z) = (&own_z[start..][..LANES], &other_z[start..][..LANES]);
-        for i in 0..LANES {
-            let [dx, dy, dz] = [other_x[i] - own_x[i], other_y[i] - own_y[i], other_z[i] - own_z[i]];
-            let value = dx * dx + dy * dy + dz * dz;
-            longest[i] = if value > longest[i] { value } else { longest[i] };
+fn raise(longest: &mut [f64; LANES], values: &[f64]) {
+    let (chunks, _) = values.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            longest[lane] = if longest[lane] < chunk[lane] { chunk[lane] } else { longest[lane] };
         }
     }
 }

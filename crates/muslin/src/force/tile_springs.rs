@@ -49,10 +49,46 @@ impl TileSprings {
     ) {
         let (squares, guesses) = (&mut self.squares, &mut self.coefficients);
         if has_bend_springs {
-            eval_lengths::<true>(squares, guesses, (x, y, z), tile.padded_len());
+            eval_lengths::<true, true>(squares, guesses, (x, y, z), tile.padded_len());
         } else {
-            eval_lengths::<false>(squares, guesses, (x, y, z), tile.padded_len());
+            eval_lengths::<false, true>(squares, guesses, (x, y, z), tile.padded_len());
         }
+    }
+
+    /// Finds squared lengths [m²] alone: of the springs of a family by its index and direction they are then to be had from
+    /// [`squares`](Self::squares).
+    #[inline(always)]
+    pub(super) fn eval_squares(
+        &mut self,
+        coordinates: [Coordinates<'_>; 3],
+        has_bend_springs: bool,
+        tile: &Tile,
+    ) {
+        let [x, y, z] = coordinates;
+        if has_bend_springs {
+            eval_lengths::<true, false>(
+                &mut self.squares,
+                &mut self.coefficients,
+                (x, y, z),
+                tile.padded_len(),
+            );
+        } else {
+            eval_lengths::<false, false>(
+                &mut self.squares,
+                &mut self.coefficients,
+                (x, y, z),
+                tile.padded_len(),
+            );
+        }
+    }
+
+    /// Squared lengths [m²] of the springs in a place of a `tile` of `grid`, zero where there is none; a multiple of eight.
+    #[inline(always)]
+    pub(super) fn squares(&mut self, [index, direction]: [usize; 2], tile: &Tile, grid: &Grid) -> &[f64] {
+        let squares = &mut self.squares[index][direction];
+        clear_absent(squares, &SHAPES[index][direction], tile, grid);
+        squares[tile.len()..tile.padded_len()].fill(0.0);
+        &squares[..tile.padded_len()]
     }
 
     /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the
@@ -156,7 +192,7 @@ impl<'a> Ends<'a> {
 }
 
 #[inline(always)]
-fn eval_lengths<const BEND: bool>(
+fn eval_lengths<const BEND: bool, const GUESS: bool>(
     squares: &mut OfSprings,
     guesses: &mut OfSprings,
     (x, y, z): (Coordinates<'_>, Coordinates<'_>, Coordinates<'_>),
@@ -183,13 +219,17 @@ fn eval_lengths<const BEND: bool>(
         down[i] = square(own, below);
         diagonal[i] = square(own, below_right);
         other_diagonal[i] = square(right, below);
-        across_guess[i] = SpringLength::guess_inverse(across[i]);
-        down_guess[i] = SpringLength::guess_inverse(down[i]);
-        diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
-        other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
+        if GUESS {
+            across_guess[i] = SpringLength::guess_inverse(across[i]);
+            down_guess[i] = SpringLength::guess_inverse(down[i]);
+            diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
+            other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
+        }
         if BEND {
             far_across[i] = square(own, [x.far_right[i], y.far_right[i], z.far_right[i]]);
             far_down[i] = square(own, [x.far_down[i], y.far_down[i], z.far_down[i]]);
+        }
+        if BEND && GUESS {
             far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
             far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
         }

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::pin_work::PinWork;
 use super::{Frame, Observer};
 use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
-use crate::model::ParticleRun;
+use crate::instructions::Vectorise;
+use crate::model::Particles;
 use crate::points::{dot_in_lanes, sum_in_lanes};
 use crate::{Model, Points, PointsMut, State};
 
@@ -218,7 +219,8 @@ impl Observer for EnergyLedger {
             self.initial.is_some(),
             "an energy ledger sees the first frame before any step: call `Simulation::observe`"
         );
-        self.current.drag_loss += drag_power(model, state) * state.last_step;
+        let drag = DragPower { particles: model.particles(), velocities: &state.velocities };
+        self.current.drag_loss += model.instructions().run(drag) * state.last_step;
         self.current.limit_loss -= state.limit_work.on_free + state.limit_work.on_pins;
         self.current.friction_loss += state.friction_loss;
         self.current.pin_work += self.pins.add_step(model, state) - state.limit_work.on_pins;
@@ -307,17 +309,24 @@ fn sum_forces<'a>(
 }
 
 /// Σ k_d v² [W] of the free particles with the state's velocities.
-fn drag_power(model: &Model, state: &State) -> f64 {
-    let (particles, velocities) = (model.particles(), &state.velocities);
-    let runs = particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0);
-    let power = |run: ParticleRun| {
-        let [x, y, z] = [&velocities.x, &velocities.y, &velocities.z].map(|velocities| {
-            let velocities = &velocities[run.particles.clone()];
-            dot_in_lanes(velocities, velocities)
-        });
-        run.drag * (x + y + z)
-    };
-    runs.map(power).sum()
+struct DragPower<'a> {
+    particles: &'a Particles,
+    velocities: &'a Points,
+}
+
+impl Vectorise for DragPower<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { particles, velocities: Points { x, y, z } } = self;
+        let mut power = 0.0;
+        for run in particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0) {
+            let (x, y, z) = (&x[run.particles.clone()], &y[run.particles.clone()], &z[run.particles.clone()]);
+            power += run.drag * (dot_in_lanes(x, x) + dot_in_lanes(y, y) + dot_in_lanes(z, z));
+        }
+        power
+    }
 }
 
 /// ½ Σ (F_before + F_after) · v [W].
