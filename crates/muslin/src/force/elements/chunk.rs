@@ -50,7 +50,7 @@ impl Chunk {
             Coordinate::Extension { rest_length, .. } => self.eval_extensions(positions, rest_length),
             Coordinate::Shear => self.eval_shear(positions, &elements.grid),
             Coordinate::Bend(_) => {
-                self.eval_bends(positions);
+                self.eval_bends(positions, &elements.grid);
                 self.double_clamps(particles.pinned());
             }
         }
@@ -112,13 +112,14 @@ impl Chunk {
         }
     }
 
-    /// With w = (Δ − q n) / |a × b|, for Δ = x₋ − 2x + x₊:
+    /// With S = a × b, n = S / N(|S|) and w = (Δ − q S / max(|S|, A)) / N, for Δ = x₋ − 2x + x₊:
     ///
     /// ```text
     /// dq = n · dΔ + w · (da × b + a × db) = n · dΔ + (b × w) · da + (w × a) · db
     /// ```
     #[inline(always)]
-    fn eval_bends(&mut self, positions: &Points) {
+    fn eval_bends(&mut self, positions: &Points, grid: &Grid) {
+        let cell = grid.column_spacing * grid.row_spacing;
         let [own, before, after, left, right] = [0, 1, 2, 3, 4].map(|node| self.node(node, positions));
         for i in 0..self.segment.count {
             let at = point(own, i);
@@ -127,11 +128,16 @@ impl Chunk {
             let along = after - before;
             let across = point(right, i) - point(left, i);
             let area = along.cross(across);
-            let size = SpringLength::of(area);
-            let normal = area * size.inverse;
+            let squared = area.length_squared();
+            let is_open = cell * cell <= squared;
+            let open = SpringLength::from_squared(squared).inverse;
+            let folded = 2.0 * cell / (cell * cell + squared);
+            let inverse = if is_open { open } else { folded };
+            let normal = area * inverse;
             let coordinate = normal.dot(difference);
             self.coordinates[i] = coordinate;
-            let rest = (difference - normal * coordinate) * size.inverse;
+            let direction = area * if is_open { open } else { 1.0 / cell };
+            let rest = (difference - direction * coordinate) * inverse;
             let of_along = across.cross(rest);
             let of_across = rest.cross(along);
             self.set_gradient(0, i, normal * -2.0);

@@ -55,12 +55,18 @@ pub(super) enum Coordinate {
     /// The second difference q [m] of three particles in a line, x₋, x and x₊, along the cloth's normal n at x:
     ///
     /// ```text
-    /// q = n · (x₋ − 2x + x₊)    n = a × b / |a × b|    a = x₊ − x₋    b = y₊ − y₋
+    /// q = n · (x₋ − 2x + x₊)    n = S / N    S = a × b    a = x₊ − x₋    b = y₊ − y₋
+    ///
+    /// N = |S|  if |S| ≥ A    (A² + |S|²) / 2A  else        A = h_x h_y
     /// ```
     ///
     /// with the neighbours y across the line; at an edge x itself stands for the one that is missing. Its size is
     /// 2 h sin ½θ where the line turns by θ, h² times the curvature if the angle is small. The sign is that of the side to which the
-    /// cloth bends. Where a and b are parallel, or one of them has no length, there is no normal and nothing is felt.
+    /// cloth bends.
+    ///
+    /// A flat cloth has |S| = 4A, 2A at an edge. Where it is folded so far that |S| < A, its normal fades: as S vanishes, when a and
+    /// b become parallel or one of them has no length, the unit normal turns over at once, with gradients that grow as 1 / |S|.
+    /// With N, q passes through zero there, and no gradient exceeds what 8 or so do of those of the flat cloth.
     Bend(Line),
 }
 
