@@ -16,6 +16,7 @@ mod energy;
 mod estimator;
 mod falling;
 mod flutter;
+mod folding;
 mod friction;
 mod hanging_chain;
 mod instruments;

@@ -64,9 +64,9 @@ pub(super) enum Coordinate {
     /// 2 h sin ½θ where the line turns by θ, h² times the curvature if the angle is small. The sign is that of the side to which the
     /// cloth bends.
     ///
-    /// A flat cloth has |S| = 4A, 2A at an edge. Where it is folded so far that |S| < A, its normal fades: as S vanishes, when a and
-    /// b become parallel or one of them has no length, the unit normal turns over at once, with gradients that grow as 1 / |S|.
-    /// With N, q passes through zero there, and no gradient exceeds what 8 or so do of those of the flat cloth.
+    /// A flat cloth has |S| = 4A, and 2A at an edge. As S vanishes, when a and b become parallel or one of them has no length, a unit
+    /// normal turns over at once, and its gradients grow as 1 / |S|. So n fades where a fold leaves less than A: q goes
+    /// through zero there, and no gradient exceeds 1 + 2 |b| |x₋ − 2x + x₊| / A or the same with a, 9 for squares of the flat cloth's lengths.
     Bend(Line),
 }
 

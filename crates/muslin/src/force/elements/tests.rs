@@ -25,12 +25,13 @@ fn grid(columns: usize, rows: usize) -> Grid {
     Grid::new(0, GridSettings { columns, rows, width: extent(columns, 0.05), height: extent(rows, 0.04) })
 }
 
-/// A sheet that is bent, sheared and stretched, with no symmetry.
-fn shaped(grid: &Grid) -> Points {
+/// A sheet that is bent, sheared and stretched, with no symmetry; folded onto itself at its middle column if `is_folded`.
+fn shaped(grid: &Grid, is_folded: bool) -> Points {
     let place = |particle: usize| {
         let (i, j) = ((particle % grid.columns) as f64, (particle / grid.columns) as f64);
         let wave = |k: f64| 0.01 * libm::sin(k * (i + 1.3 * j) + k);
-        DVec3::new(0.05 * i + 0.01 * j + wave(0.9), 0.04 * j + wave(1.7), 2.0 * wave(0.7))
+        let column = if is_folded { (i - (grid.columns / 2) as f64).abs() } else { i };
+        DVec3::new(0.05 * column + 0.01 * j + wave(0.9), 0.04 * j + wave(1.7), 2.0 * wave(0.7))
     };
     (0..grid.particle_count()).map(place).collect()
 }
@@ -81,11 +82,13 @@ fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, 
 fn cases() -> impl Iterator<Item = (GridElements, Points, Particles)> {
     let sizes = [(2, 2), (3, 2), (2, 5), (4, 4), (5, 3), (70, 3)];
     kinds().into_iter().flat_map(move |(coordinate, has_half_edges)| {
-        sizes.map(|(columns, rows)| {
-            let grid = grid(columns, rows);
-            let positions = shaped(&grid);
-            let particles = particles(&grid, &[0, 1]);
-            (GridElements { grid, coordinate, has_half_edges }, positions, particles)
+        sizes.into_iter().flat_map(move |(columns, rows)| {
+            [false, true].map(|is_folded| {
+                let grid = grid(columns, rows);
+                let positions = shaped(&grid, is_folded);
+                let particles = particles(&grid, &[0, 1]);
+                (GridElements { grid, coordinate, has_half_edges }, positions, particles)
+            })
         })
     })
 }
@@ -163,6 +166,43 @@ fn a_point_has_no_gradients_but_those_of_shear() {
         let point = Points::zeros(positions.len());
         let gradients = gradient(&elements, &point, &particles, usize::MAX);
         assert_eq!(gradients, point, "{elements:?}");
+    }
+}
+
+/// The bends along the weft of three columns, folded around the middle one, with the right side displaced by `offset` [m]
+/// against the left.
+fn folded(offset: DVec3) -> (GridElements, Points) {
+    let place = |particle: usize| {
+        let (i, j) = ((particle % 3) as f64 - 1.0, (particle / 3) as f64);
+        DVec3::new(0.05 * i.abs(), 0.04 * j, 0.0) + 0.5 * i * offset
+    };
+    let elements =
+        GridElements { grid: grid(3, 3), coordinate: Coordinate::Bend(Line::Weft), has_half_edges: true };
+    (elements, (0..9).map(place).collect())
+}
+
+/// Where cells have no area the normal turns over: coordinates go through zero, where one of unit length would make 0.1 m and
+/// −0.1 m of them.
+#[test]
+fn bends_fade_where_cells_fold() {
+    let [before, after] = [-2e-6, 2e-6].map(|offset| {
+        let (elements, positions) = folded(DVec3::new(0.0, 0.0, offset));
+        potential(&elements, &positions, &particles(&elements.grid, &[]))
+    });
+    // |q| = 0.1 m · 2 |S| / A with |S| = 0.08 m · 2e-6 m and A = 2e-3 m², and half of that in both half elements.
+    assert!(before != 0.0 && before == -after, "{before:e} and {after:e}");
+    assert!(after.abs() < 2.0 * 1.5 * 1.6e-5, "{after:e}");
+}
+
+/// Where a line comes back nearly along the fold, |Δ| = 0.1 m, |b| ≤ 0.08 m and |a| ≤ 0.03 m: however little area is left,
+/// gradients are at most 1 + 2 |b| |Δ| / A = 9 for the line's own and 3 for the two beside it, by weights below two.
+#[test]
+fn gradients_are_bounded_however_cells_collapse() {
+    for remainder in [1e-2, 1e-4, 1e-6, 1e-9, 0.0] {
+        let (elements, positions) = folded(DVec3::new(remainder, 0.02, 0.0));
+        let gradients = gradient(&elements, &positions, &particles(&elements.grid, &[]), usize::MAX);
+        let largest = gradients.iter().map(DVec3::length).fold(0.0, f64::max);
+        assert!(largest < 30.0, "{largest:e} at {remainder:e} m");
     }
 }
 
