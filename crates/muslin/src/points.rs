@@ -61,7 +61,7 @@ impl Points {
     /// All x, y and z, and some zeros behind them, none if there are no points: loops that run past the end need no copy.
     #[inline(always)]
     pub(crate) fn with_zeros_behind(&self) -> [&[f64]; 3] {
-        [&self.x, &self.y, &self.z].map(AlignedArray::with_zeros_behind)
+        [self.x.with_zeros_behind(), self.y.with_zeros_behind(), self.z.with_zeros_behind()]
     }
 
     /// Makes every coordinate `value`.

@@ -32,6 +32,7 @@ impl Vectorise for TensorSweep<'_, '_> {
     fn run(self) {
         let Self { springs, at, rows, tensors, sweep } = self;
         let starts = !sweep.goes_on(&springs.grid, &rows, Swept::Tensors);
+        let swept = springs.swept();
         let Sweep { tile, kept_tensors, .. } = sweep;
         let tile = tile.get_or_insert_with(TileMemory::new);
         if starts {
@@ -46,7 +47,7 @@ impl Vectorise for TensorSweep<'_, '_> {
                 let weights = weights.eval(&part, &springs.grid, at.particles);
                 tile_springs.eval_lengths(coordinates, has_bend_springs, &part);
                 let families = if has_bend_springs { 3 } else { 2 };
-                for (index, directions) in springs.swept().into_iter().enumerate().take(families) {
+                for (index, directions) in swept.into_iter().enumerate().take(families) {
                     for (direction, group) in directions.into_iter().enumerate() {
                         tile_springs.eval_tensors([index, direction], group, &part, &springs.grid);
                     }
@@ -55,7 +56,8 @@ impl Vectorise for TensorSweep<'_, '_> {
                 let kept = next.entries_mut().into_iter().zip(after.entries_mut());
                 for (entry, (sums, (next, after))) in tensors.entries_mut().into_iter().zip(kept).enumerate()
                 {
-                    let axes = ENTRIES[entry].map(|axis| coordinates[axis]);
+                    let [a, b] = ENTRIES[entry];
+                    let axes = [coordinates[a], coordinates[b]];
                     pulls.begin(borders[entry]);
                     match (entry < 3, has_bend_springs) {
                         (true, true) => eval_entry::<true, true>(pulls, tile_springs, axes, weights, &part),

@@ -107,14 +107,21 @@ impl Vectorise for RowSweep<'_, '_> {
         let starts = !sweep.goes_on(&springs.grid, &rows, swept);
         let Sweep { tile, kept, .. } = sweep;
         let tile = tile.get_or_insert_with(TileMemory::new);
-        let mut pass = RowPass { springs, at, tile, kept, is_bounded };
+        let swept = springs.swept();
+        let varies = swept.map(|directions| directions.into_iter().any(varies));
+        let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded };
         if starts {
             pass.start();
         }
         for (strip, own) in strips(&springs.grid, &rows, starts) {
             let PointsMut { x, y, z } = &mut *forces;
-            let strip_forces = own.clone().map(|own| [x, y, z].map(|forces| &mut forces[own.clone()]));
-            let strip_bounds = bounds.as_mut().zip(own).map(|(bounds, own)| &mut bounds[own]);
+            let (strip_forces, strip_bounds) = match own {
+                Some(own) => (
+                    Some([&mut x[own.clone()], &mut y[own.clone()], &mut z[own.clone()]]),
+                    bounds.as_mut().map(|bounds| &mut bounds[own]),
+                ),
+                None => (None, None),
+            };
             pass.strip(strip, strip_forces, strip_bounds);
         }
     }
@@ -135,6 +142,9 @@ impl TileMemory {
 /// One strip after the other.
 struct RowPass<'a> {
     springs: &'a GridSprings,
+    swept: [[Option<&'a GridFamily>; 2]; 3],
+    /// Whether the stiffness of a family varies.
+    varies: [bool; 3],
     at: Configuration<'a>,
     tile: &'a mut TileMemory,
     kept: &'a mut [KeptRow; 2],
@@ -178,13 +188,11 @@ impl RowPass<'_> {
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
             let has_bend_springs = self.springs.has_bend_springs();
             springs.eval_lengths(coordinates, has_bend_springs, &tile);
-            let swept = self.springs.swept();
-            let varies = swept.map(|directions| directions.into_iter().any(varies));
             let families = if has_bend_springs { 3 } else { 2 };
-            for (index, directions) in swept.into_iter().enumerate().take(families) {
+            for (index, directions) in self.swept.into_iter().enumerate().take(families) {
                 for (direction, group) in directions.into_iter().enumerate() {
                     // Bounds are those of structural springs at least.
-                    let bounded = self.is_bounded && (index == 0 || varies[index]);
+                    let bounded = self.is_bounded && (index == 0 || self.varies[index]);
                     springs.eval_coefficients([index, direction], group, bounded, &tile, grid);
                 }
             }
@@ -206,7 +214,7 @@ impl RowPass<'_> {
             }
             if self.is_bounded {
                 let weights = weights.eval(&tile, grid, self.at.particles);
-                bound_pulls.eval_bounds(springs, varies, weights, borders[3], &tile);
+                bound_pulls.eval_bounds(springs, self.varies, weights, borders[3], &tile);
                 borders[3] = bound_pulls.border(tile.columns.len());
                 let pending = Pending {
                     next: &mut next.bounds[tile.columns.clone()],

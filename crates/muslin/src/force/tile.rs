@@ -87,6 +87,11 @@ pub(super) struct Coordinates<'a> {
 }
 
 impl<'a> Coordinates<'a> {
+    #[inline(always)]
+    fn of_rows(values: &'a [f64], [own, next, last]: &[Range<usize>; 3]) -> Self {
+        Self { rows: [&values[own.clone()], &values[next.clone()], &values[last.clone()]] }
+    }
+
     fn of_copies([own, next, last]: &'a [[f64; TILE + 2]; 3], count: usize) -> Self {
         Self { rows: [&own[..count + 2], &next[..count + 1], &last[..count]] }
     }
@@ -111,10 +116,12 @@ impl EndCopies {
         let rows = tile.neighbourhood(grid);
         let values = positions.with_zeros_behind();
         if rows.iter().all(|row| row.end <= values[0].len()) {
-            let [own, next, last] = rows;
-            return values.map(|values| Coordinates {
-                rows: [&values[own.clone()], &values[next.clone()], &values[last.clone()]],
-            });
+            let [x, y, z] = values;
+            return [
+                Coordinates::of_rows(x, &rows),
+                Coordinates::of_rows(y, &rows),
+                Coordinates::of_rows(z, &rows),
+            ];
         }
         for (copies, values) in self.0.iter_mut().zip(values) {
             for (copy, row) in copies.iter_mut().zip(&rows) {

@@ -15,7 +15,8 @@ const EARLY_GROWTH: f64 = 1.1;
 /// The block bound ω² ≤ max λ_i of [`Force::add_stiffness_tensors`](crate::force::Force::add_stiffness_tensors) costs about as
 /// much as two steps. It is evaluated at the start, every 16 steps, after a refusal and where a step would have to be refused
 /// without; every 32 and then every 64 steps as long as it comes out as expected, 2/ω at most 0.5 % shorter and 2 % longer.
-/// In between, bound_i of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds) follows each stiffening
+/// But not less often than a wave at the speed of the fastest one, a cell in a step, takes to half of √N cells for N particles:
+/// in a small cloth all may change in 64 steps. In between, bound_i of [`Force::add_stiffness_bounds`](crate::force::Force::add_stiffness_bounds) follows each stiffening
 /// at once:
 ///
 /// ```text
@@ -36,11 +37,13 @@ pub struct StableSteps {
     is_stiffness_constant: bool,
     /// Stiffness [1/s²] that is the same in all states.
     constant_stiffness: f64,
+    /// Most steps from one evaluation of the block bound to the next.
+    most_steps: u32,
     current: StableStep,
 }
 
 impl StableSteps {
-    /// Fewest and most steps from one evaluation of the block bound to the next.
+    /// Fewest steps from one evaluation of the block bound to the next, and most of the largest cloth.
     pub(crate) const LASTS: [u32; 2] = [16, 64];
 
     /// At `state`, where a run begins or goes on; leaves forces evaluated there.
@@ -52,7 +55,10 @@ impl StableSteps {
     ) -> Self {
         let constant_stiffness = constant_stiffness(model, state);
         let current = integrator.eval_forces_and_stable_step(model, state, constant_stiffness);
-        let mut steps = Self { is_stiffness_constant, constant_stiffness, current };
+        let [fewest_steps, most_steps] = Self::LASTS;
+        let half_across = model.particles().len().isqrt() / 2;
+        let most_steps = u32::try_from(half_across).unwrap_or(most_steps).clamp(fewest_steps, most_steps);
+        let mut steps = Self { is_stiffness_constant, constant_stiffness, most_steps, current };
         match state.step_memory.fastest {
             Some(fastest) if is_stiffness_constant => steps.current.by_blocks = 2.0 / fastest,
             _ => steps.current = Self::evaluated(integrator, model, state, current),
@@ -98,9 +104,8 @@ impl StableSteps {
             if is_old {
                 let [least, most] = STEADY.map(|share| share * expected);
                 let is_steady = least <= next.by_blocks && next.by_blocks <= most;
-                let [fewest_steps, most_steps] = Self::LASTS;
                 let lasts = &mut state.step_memory.fastest_lasts;
-                *lasts = if is_steady { (2 * *lasts).min(most_steps) } else { fewest_steps };
+                *lasts = if is_steady { (2 * *lasts).min(self.most_steps) } else { Self::LASTS[0] };
             }
         }
         (motion, next)
@@ -141,19 +146,29 @@ mod tests {
     use crate::Scene;
     use crate::integrate::{CentralDifference, Workers};
 
-    /// Ever more seldom while nothing changes, up to every 64 steps; soon again once the cloth was stretched.
+    /// Ever more seldom while nothing changes, up to every 64 steps in a large cloth; soon again once it was stretched.
     #[test]
     fn a_bound_that_comes_as_expected_is_evaluated_less_often() {
-        let text = "
+        assert_eq!(evaluations(130), [16, 48, 112, 176, 240, 256]);
+        assert_eq!(evaluations(50), [16, 41, 66, 91, 116, 141, 166, 191, 216, 241, 257]);
+        assert!(evaluations(3).into_iter().eq((1..=16).map(|time| 16 * time)));
+    }
+
+    /// The steps of 260 after which the bound of a cloth of `width` x `width` is evaluated, which is stretched before step 240.
+    fn evaluations(width: usize) -> Vec<u32> {
+        let text = format!(
+            "
             title = ''\n[run]\nduration = 1.0\nstep = 'adaptive'\nframe_rate = 10.0
             [environment]\ngravity = [0, 0, 0]
             [fabric.f]\nkind = 'springs'\nparticle_mass = 1e-3\ndrag = 0
-            structural = { stiffness = 10, law = 'linear' }\nshear = { stiffness = 0, law = 'linear' }
-            bend = { stiffness = 0, law = 'linear' }
-            [[cloth]]\nname = 'c'\nfabric = 'f'\ngrid = { columns = 3, rows = 3, width = 1.0, height = 1.0 }
-            place = { origin = [0, 0, 0], width_axis = [1, 0, 0], height_axis = [0, -1, 0] }\npins = [{ row = 0 }]
-        ";
-        let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{}", error.render("test", text)));
+            structural = {{ stiffness = 10, law = 'linear' }}\nshear = {{ stiffness = 0, law = 'linear' }}
+            bend = {{ stiffness = 0, law = 'linear' }}
+            [[cloth]]\nname = 'c'\nfabric = 'f'
+            grid = {{ columns = {width}, rows = {width}, width = 1.0, height = 1.0 }}
+            place = {{ origin = [0, 0, 0], width_axis = [1, 0, 0], height_axis = [0, -1, 0] }}\npins = [{{ row = 0 }}]
+            "
+        );
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}", error.render("test", &text)));
         let model = Model::new(&scene);
         let mut state = model.initial_state(&scene);
         let mut method = CentralDifference::new(Workers::single());
@@ -173,6 +188,6 @@ mod tests {
                 evaluated.push(count);
             }
         }
-        assert_eq!(evaluated, [16, 48, 112, 176, 240, 256]);
+        evaluated
     }
 }
