@@ -88,6 +88,7 @@ impl Source {
     }
 }
 
+/// All but files of unit tests.
 fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut sources = Vec::new();
@@ -97,7 +98,9 @@ fn sources() -> Vec<Source> {
             let path = entry.unwrap_or_else(|error| panic!("{error}")).path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
+            } else if path.extension().is_some_and(|extension| extension == "rs")
+                && !path.ends_with("tests.rs")
+            {
                 let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}"));
                 let path = path.strip_prefix(&root).unwrap_or_else(|error| panic!("{error}")).to_owned();
                 sources.push(Source { path, code: code(&text) });
