@@ -68,6 +68,11 @@ impl Budget {
     pub(crate) const QUICK: Self =
         Self { turn: Duration::from_millis(1), total: Duration::from_millis(150), rounds: [3, 15] };
 
+    /// The same with turns that are long beside the time that a sleeping thread takes to wake up, a part of a millisecond or more.
+    pub(crate) fn with_long_turns(self) -> Self {
+        Self { turn: 16 * self.turn, total: 4 * self.total, ..self }
+    }
+
     /// Lets `competitors` take turns.
     pub(crate) fn compare(&self, mut competitors: Vec<Competitor<'_>>) -> Samples {
         let counts: Vec<u64> = competitors.iter_mut().map(|one| one.calibrate(self.turn)).collect();

@@ -64,6 +64,7 @@ impl Bench {
 
 /// Measures grids of all widths.
 pub(crate) fn by_size(report: &mut Report<impl Write>, budget: Budget) -> io::Result<()> {
+    let budget = budget.with_long_turns();
     let ways = ways();
     let workers: Vec<Workers> = ways.iter().map(|way| workers(way.threads)).collect();
     let mut rows = Vec::new();

@@ -192,9 +192,9 @@ impl CentralDifference {
         }
     }
 
-    /// Whether nothing comes between motion and forces, and one thread does both.
+    /// Whether nothing comes between motion and forces, and one thread does both: the only one, or the one that gets the only block.
     fn can_take_one_pass(&self, model: &Model) -> bool {
-        self.workers.count() == 1
+        (self.workers.count() == 1 || model.blocks().len() == 1)
             && model.limits().is_empty()
             && model.moving_pins().is_empty()
             && self.earlier_forces.is_none()
