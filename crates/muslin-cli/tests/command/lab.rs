@@ -36,6 +36,13 @@ fn every_instrument_writes_its_folder() {
     }
 }
 
+/// A film that hardly stretches and is hard to bend: Newton's method takes more than 60 steps to some overhangs.
+#[test]
+fn a_stiff_film_comes_to_rest() {
+    let work = Work::new();
+    work.muslin("lab cantilever nylon-heat-bondable --along weft").assert_success();
+}
+
 /// A file with the keys alone, and one as `muslin fabric show` prints it, are the fabric.
 #[test]
 fn a_file_is_a_fabric_too() {

@@ -22,7 +22,7 @@ pub const EQUILIBRIUM_TOLERANCE: f64 = 1e-8;
 const ROUNDINGS: f64 = 8.0;
 
 /// Newton's steps at most.
-const MOST_STEPS: usize = 60;
+const MOST_STEPS: usize = 200;
 
 /// Conjugate gradients' steps from which on the factors that they start from are too old, and at most.
 const OLD_FACTORS: usize = 12;
@@ -127,7 +127,7 @@ impl StaticSolver {
     /// What forces remember stays as it is: whoever takes the state for the next of a test says so to them afterwards.
     ///
     /// # Errors
-    /// How far from rest it is after 60 steps.
+    /// How far from rest it is after 200 steps.
     pub(crate) fn settle(
         &mut self,
         model: &Model,
