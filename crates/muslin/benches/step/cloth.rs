@@ -25,6 +25,8 @@ pub(crate) struct Cloth {
     /// Whether the fabric is measured, with the same linear springs of two families, and bends by second differences in
     /// place of springs.
     pub(crate) measured: bool,
+    /// Whether the yarns of a measured fabric rub on each other, in tension, shear and bending.
+    pub(crate) friction: bool,
 }
 
 impl Cloth {
@@ -47,6 +49,7 @@ impl Cloth {
             wind: "",
             adaptive: false,
             measured: false,
+            friction: false,
         }
     }
 
@@ -69,14 +72,19 @@ impl Cloth {
         let fabric = if self.measured {
             // Square cells have k_d = G and k = K - G.
             let drag = drag / share;
+            let [rt, hysteresis, bent] = if self.friction {
+                [", rt = 0.6", ", 2hg = 1.0, 2hg5 = 2.0", ", 2hb = 4e-4"]
+            } else {
+                [""; 3]
+            };
             format!(
                 "kind = 'measured'
                 areal_density = 0.2
                 drag = {drag:e}
-                warp = {{ modulus = 650.0 }}
-                weft = {{ modulus = 650.0 }}
-                shear = {{ modulus = 150.0 }}
-                bend = {{ warp = 1e-5, weft = 1e-5 }}"
+                warp = {{ modulus = 650.0{rt} }}
+                weft = {{ modulus = 650.0{rt} }}
+                shear = {{ modulus = 150.0{hysteresis} }}
+                bend = {{ warp = {{ rigidity = 1e-5{bent} }}, weft = {{ rigidity = 1e-5{bent} }} }}"
             )
         } else {
             format!(

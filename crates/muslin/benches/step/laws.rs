@@ -53,6 +53,11 @@ pub(crate) fn by_law(report: &mut Report<impl Write>, budget: Budget) -> io::Res
                 Cloth { measured: true, ..linear.clone() },
                 Some(Target::AtMost(1.0)),
             ),
+            (
+                "linear, measured, with friction in tension, shear and bending",
+                Cloth { measured: true, friction: true, ..linear.clone() },
+                None,
+            ),
             ("linear, no gravity", Cloth { gravity: false, ..linear.clone() }, None),
             ("linear, no drag", Cloth { drag: false, ..linear.clone() }, None),
             ("linear, wind on particles", Cloth { wind: PARTICLE_WIND, ..linear.clone() }, None),

@@ -26,6 +26,7 @@ pub(crate) fn model(scene: &Scene, instructions: InstructionSet) -> Model {
 fn advance(method: &mut CentralDifference, model: &Model, state: &mut State, step: f64) {
     let to = StepTo { step, time: state.time + step, is_measured: false };
     method.step_to(model, state, None, to).unwrap_or_else(|error| panic!("{error}"));
+    method.accept(model, state);
 }
 
 /// A model, and what moves a state of it.
@@ -60,6 +61,8 @@ impl Stepper {
         state.positions.clone_from(&start.positions);
         state.velocities.clone_from(&start.velocities);
         (state.time, state.last_step) = (start.time, start.last_step);
+        state.memory.clear();
+        state.memory.resize(model.memory_layers() * model.particles().len(), 0.0);
         method.eval_forces(model, state);
         let workers = method.workers().clone();
         let start = Stopwatch::start(clock);
