@@ -104,14 +104,14 @@ impl Vectorise for AddDamping<'_, '_> {
         let Self { dashpots, at, block, forces } = self;
         let Some(rows) = dashpots.elements.grid.block_rows(block) else { return };
         let (mut chunk, mut factors) = (Chunk::empty(), [0.0; CHUNK]);
-        dashpots.elements.for_each_touching(block, |segment| {
-            dashpots.eval(&mut chunk, at, segment);
+        for segment in dashpots.elements.touching(block) {
+            dashpots.eval(&mut chunk, at, &segment);
             chunk.eval_rates(at.velocities, &mut factors);
             for (factor, coefficient) in factors.iter_mut().zip(&chunk.shares) {
                 *factor *= -coefficient;
             }
             chunk.add_gradients(&factors, &rows, block.start, forces);
-        });
+        }
     }
 }
 
@@ -138,21 +138,21 @@ impl Force for GridDashpots {
     fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
         let mut chunk = Chunk::empty();
-        self.elements.for_each_touching(block, |segment| {
-            self.eval(&mut chunk, at, segment);
+        for segment in self.elements.touching(block) {
+            self.eval(&mut chunk, at, &segment);
             chunk.add_bounds(&chunk.shares, at.particles.pinned(), &rows, block.start, bounds);
-        });
+        }
     }
 
     fn damping_power(&self, at: Configuration<'_>) -> f64 {
         let (mut chunk, mut rates, mut power) = (Chunk::empty(), [0.0; CHUNK], 0.0);
-        self.elements.for_each(|segment| {
-            self.eval(&mut chunk, at, segment);
+        for segment in self.elements.all() {
+            self.eval(&mut chunk, at, &segment);
             chunk.eval_rates(at.velocities, &mut rates);
             for (coefficient, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {
                 power += coefficient * rate * rate;
             }
-        });
+        }
         power
     }
 }

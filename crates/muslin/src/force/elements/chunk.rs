@@ -59,7 +59,8 @@ impl Chunk {
     /// Number of elements.
     #[inline(always)]
     pub(in crate::force) fn len(&self) -> usize {
-        self.segment.count
+        // Never more, which the compiler cannot know.
+        self.segment.count.min(CHUNK)
     }
 
     /// The values of `points` at the nodes with this number.
@@ -73,7 +74,7 @@ impl Chunk {
     #[inline(always)]
     fn particles(&self, node: usize) -> Range<usize> {
         let first = self.segment.nodes[node].particle;
-        first..first + self.segment.count
+        first..first + self.len()
     }
 
     #[inline(always)]
@@ -85,7 +86,7 @@ impl Chunk {
     #[inline(always)]
     fn eval_extensions(&mut self, positions: &Points, rest_length: f64) {
         let [a, b] = [0, 1].map(|node| self.node(node, positions));
-        for i in 0..self.segment.count {
+        for i in 0..self.len() {
             let vector = point(b, i) - point(a, i);
             let length = SpringLength::of(vector);
             self.coordinates[i] = length.length - rest_length;
@@ -99,7 +100,7 @@ impl Chunk {
     fn eval_shear(&mut self, positions: &Points, grid: &Grid) {
         let [a, b, c, d] = [0, 1, 2, 3].map(|node| self.node(node, positions));
         let factor = 0.5 / (grid.column_spacing * grid.row_spacing);
-        for i in 0..self.segment.count {
+        for i in 0..self.len() {
             let first = point(c, i) - point(a, i);
             let second = point(d, i) - point(b, i);
             // ℓ₁² − ℓ₂² without the cancellation of squares.
@@ -121,7 +122,7 @@ impl Chunk {
     fn eval_bends(&mut self, positions: &Points, grid: &Grid) {
         let cell = grid.column_spacing * grid.row_spacing;
         let [own, before, after, left, right] = [0, 1, 2, 3, 4].map(|node| self.node(node, positions));
-        for i in 0..self.segment.count {
+        for i in 0..self.len() {
             let at = point(own, i);
             let (before, after) = (point(before, i) - at, point(after, i) - at);
             let difference = before + after;
@@ -153,7 +154,7 @@ impl Chunk {
     #[inline(always)]
     fn double_clamps(&mut self, pinned: &[bool]) {
         let [own, before, after] = [0, 1, 2].map(|node| &pinned[self.particles(node)]);
-        for i in 0..self.segment.count {
+        for i in 0..self.len() {
             if own[i] & (before[i] != after[i]) {
                 self.shares[i] *= 2.0;
             }
@@ -163,7 +164,7 @@ impl Chunk {
     /// Overwrites the first `rates` with dq/dt at `velocities` [m/s].
     #[inline(always)]
     pub(in crate::force) fn eval_rates(&self, velocities: &Points, rates: &mut [f64; CHUNK]) {
-        let count = self.segment.count;
+        let count = self.len();
         rates.fill(0.0);
         for (node, gradients) in self.gradients[..self.segment.node_count].iter().enumerate() {
             let [x, y, z] = self.node(node, velocities);
@@ -187,7 +188,7 @@ impl Chunk {
             if !rows.contains(&node.row) {
                 continue;
             }
-            let target = node.particle - first..node.particle - first + self.segment.count;
+            let target = node.particle - first..node.particle - first + self.len();
             let axes = [&mut *sums.x, &mut *sums.y, &mut *sums.z];
             for (sums, gradients) in axes.into_iter().zip(gradients) {
                 for ((sum, gradient), factor) in sums[target.clone()].iter_mut().zip(gradients).zip(factors) {
@@ -218,8 +219,8 @@ impl Chunk {
                 continue;
             }
             let pinned = &pinned[self.particles(index)];
-            let target = &mut bounds[node.particle - first..][..self.segment.count];
-            for i in 0..self.segment.count {
+            let target = &mut bounds[node.particle - first..][..self.len()];
+            for i in 0..self.len() {
                 let size = sizes[index][i];
                 let sum = free[i] + if pinned[i] { size } else { 0.0 };
                 target[i] += coefficients[i] * size * sum;
@@ -251,7 +252,7 @@ impl Chunk {
             let pinned = &pinned[self.particles(index)];
             let target = node.particle - first;
             let [x, y, z] = &self.gradients[index];
-            for i in 0..self.segment.count {
+            for i in 0..self.len() {
                 let size = sizes[index][i];
                 if size == 0.0 {
                     continue;
@@ -275,7 +276,7 @@ impl Chunk {
         for node in 0..self.segment.node_count {
             let [x, y, z] = &self.gradients[node];
             let pinned = &pinned[self.particles(node)];
-            for i in 0..self.segment.count {
+            for i in 0..self.len() {
                 let size = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
                 sizes[node][i] = size;
                 free[i] += if pinned[i] { 0.0 } else { size };

@@ -102,6 +102,45 @@ struct Node {
     row: usize,
 }
 
+/// Elements of neighbouring owners in one row, with nodes at the same places in columns and rows.
+#[derive(Clone, Debug)]
+struct Part {
+    row: usize,
+    columns: Range<usize>,
+    nodes: [(isize, isize); NODES],
+    node_count: usize,
+    share: f64,
+}
+
+impl Part {
+    fn new(row: usize, columns: Range<usize>, places: &[(isize, isize)], share: f64) -> Self {
+        let mut nodes = [(0, 0); NODES];
+        nodes[..places.len()].copy_from_slice(places);
+        Self { row, columns, nodes, node_count: places.len(), share }
+    }
+
+    /// Its segments on `grid`.
+    fn segments(self, grid: Grid) -> impl Iterator<Item = Segment> {
+        let Self { row, columns, nodes, node_count, share } = self;
+        let end = columns.end;
+        columns.step_by(CHUNK).map(move |column| {
+            let mut segment = Segment {
+                row,
+                column,
+                count: CHUNK.min(end - column),
+                node_count,
+                share,
+                ..Segment::default()
+            };
+            for (node, (across, along)) in segment.nodes[..node_count].iter_mut().zip(nodes) {
+                let row = row.wrapping_add_signed(along);
+                *node = Node { particle: grid.particle(column.wrapping_add_signed(across), row), row };
+            }
+            segment
+        })
+    }
+}
+
 impl Segment {
     fn nodes(&self) -> &[Node] {
         &self.nodes[..self.node_count]
@@ -116,71 +155,68 @@ impl Segment {
 }
 
 impl GridElements {
-    /// Calls `visit` with the elements that have a node in `block`, in ascending order and [`CHUNK`] at a time at most.
+    /// The elements that have a node in `block`, in ascending order and [`CHUNK`] at a time at most.
     ///
-    /// Elements across the border of two blocks are visited for both. So every particle gets what its elements add in the
+    /// Elements across the border of two blocks are among those of both. So every particle gets what its elements add in the
     /// same order, whatever the blocks.
-    pub(super) fn for_each_touching(&self, block: &Range<usize>, mut visit: impl FnMut(&Segment)) {
-        let Some(rows) = self.grid.block_rows(block) else { return };
+    pub(super) fn touching(&self, block: &Range<usize>) -> impl Iterator<Item = Segment> + '_ {
+        let rows = self.grid.block_rows(block).unwrap_or_default();
         // Nodes are from one row before their owner to two after.
-        for row in rows.start.saturating_sub(2)..(rows.end + 1).min(self.grid.rows) {
-            self.for_each_in_row(row, |segment| {
-                if segment.nodes().iter().any(|node| rows.contains(&node.row)) {
-                    visit(segment);
-                }
-            });
-        }
+        let owners = rows.start.saturating_sub(2)..(rows.end + 1).min(self.grid.rows);
+        let touches = move |segment: &Segment| segment.nodes().iter().any(|node| rows.contains(&node.row));
+        owners.flat_map(|row| self.in_row(row)).filter(touches)
     }
 
-    /// Calls `visit` with the elements that particles of `block` own, in the same way: with each once over all blocks.
-    pub(super) fn for_each_owned(&self, block: &Range<usize>, mut visit: impl FnMut(&Segment)) {
-        for row in self.grid.block_rows(block).unwrap_or_default() {
-            self.for_each_in_row(row, &mut visit);
-        }
+    /// The elements that particles of `block` own, in the same way: each once over all blocks.
+    pub(super) fn owned(&self, block: &Range<usize>) -> impl Iterator<Item = Segment> + '_ {
+        self.grid.block_rows(block).unwrap_or_default().flat_map(|row| self.in_row(row))
     }
 
-    /// Calls `visit` with all elements.
-    pub(super) fn for_each(&self, mut visit: impl FnMut(&Segment)) {
-        for row in 0..self.grid.rows {
-            self.for_each_in_row(row, &mut visit);
-        }
+    /// All elements.
+    pub(super) fn all(&self) -> impl Iterator<Item = Segment> + '_ {
+        (0..self.grid.rows).flat_map(|row| self.in_row(row))
     }
 
-    /// Calls `visit` with the elements that the particles of `row` own.
-    fn for_each_in_row(&self, row: usize, mut visit: impl FnMut(&Segment)) {
+    /// The elements that the particles of `row` own.
+    fn in_row(&self, row: usize) -> impl Iterator<Item = Segment> + '_ {
+        self.parts(row).into_iter().flatten().flat_map(|part| part.segments(self.grid))
+    }
+
+    /// The parts of `row`, from left to right.
+    fn parts(&self, row: usize) -> [Option<Part>; 3] {
         let Grid { columns, rows, .. } = self.grid;
         let inner_row = self.share(row, rows);
+        let part = |columns, nodes: &[(isize, isize)], share| Some(Part::new(row, columns, nodes, share));
         match self.coordinate {
             Coordinate::Extension { columns: across, rows: along, .. } => {
                 let first = across.min(0).unsigned_abs();
                 let end = columns.saturating_sub(across.max(0).unsigned_abs());
                 if rows <= row + along {
-                    return;
+                    return [const { None }; 3];
                 }
                 let nodes = [(0, 0), (across, along as isize)];
                 if along == 0 {
-                    self.visit_columns(row, first..end, &nodes, inner_row, &mut visit);
+                    [part(first..end, &nodes, inner_row), None, None]
                 } else if across == 0 && self.has_half_edges {
-                    self.visit_edges_and_inner(row, columns, |_, _| &nodes, &mut visit);
+                    self.edges_and_inner(row, |_, _| &nodes)
                 } else {
-                    self.visit_columns(row, first..end, &nodes, 1.0, &mut visit);
+                    [part(first..end, &nodes, 1.0), None, None]
                 }
             }
             Coordinate::Shear => {
-                if row + 1 < rows {
-                    let nodes = [(0, 0), (1, 0), (1, 1), (0, 1)];
-                    self.visit_columns(row, 0..columns.saturating_sub(1), &nodes, 1.0, &mut visit);
-                }
+                let nodes = [(0, 0), (1, 0), (1, 1), (0, 1)];
+                let cells =
+                    (row + 1 < rows).then(|| Part::new(row, 0..columns.saturating_sub(1), &nodes, 1.0));
+                [cells, None, None]
             }
             Coordinate::Bend(Line::Weft) => {
                 let [before, after] = [-isize::from(0 < row), isize::from(row + 1 < rows)];
                 let nodes = [(0, 0), (-1, 0), (1, 0), (0, before), (0, after)];
-                let inner = 1..columns.saturating_sub(1);
-                self.visit_columns(row, inner, &nodes, inner_row, &mut visit);
+                [part(1..columns.saturating_sub(1), &nodes, inner_row), None, None]
             }
             Coordinate::Bend(Line::Warp) => {
                 if row == 0 || rows <= row + 1 {
-                    return;
+                    return [const { None }; 3];
                 }
                 let nodes = |left: bool, right: bool| {
                     const NODES_OF: [[(isize, isize); NODES]; 4] = [
@@ -191,45 +227,26 @@ impl GridElements {
                     ];
                     &NODES_OF[2 * usize::from(left) + usize::from(right)][..]
                 };
-                self.visit_edges_and_inner(row, columns, nodes, &mut visit);
+                self.edges_and_inner(row, nodes)
             }
         }
     }
 
-    /// Visits the first column, those inside and the last; `nodes` depend on whether there are columns to the left and right.
-    fn visit_edges_and_inner<'a>(
+    /// The first column, those inside and the last; `nodes` depend on whether there are columns to the left and right.
+    fn edges_and_inner<'a>(
         &self,
         row: usize,
-        columns: usize,
         nodes: impl Fn(bool, bool) -> &'a [(isize, isize)],
-        visit: &mut impl FnMut(&Segment),
-    ) {
+    ) -> [Option<Part>; 3] {
+        let columns = self.grid.columns;
         let last = columns - 1;
-        self.visit_columns(row, 0..1, nodes(false, 0 < last), self.share(0, columns), visit);
-        if 0 < last {
-            self.visit_columns(row, 1..last, nodes(true, true), 1.0, visit);
-            self.visit_columns(row, last..columns, nodes(true, false), self.share(last, columns), visit);
+        let first = Part::new(row, 0..1, nodes(false, 0 < last), self.share(0, columns));
+        if last == 0 {
+            return [Some(first), None, None];
         }
-    }
-
-    /// Visits the elements of owners in `columns` of `row`, whose nodes are at these places in columns and rows.
-    fn visit_columns(
-        &self,
-        row: usize,
-        columns: Range<usize>,
-        nodes: &[(isize, isize)],
-        share: f64,
-        visit: &mut impl FnMut(&Segment),
-    ) {
-        for column in columns.clone().step_by(CHUNK) {
-            let mut places = [Node::default(); NODES];
-            for (place, &(across, along)) in places.iter_mut().zip(nodes) {
-                let row = row.wrapping_add_signed(along);
-                *place = Node { particle: self.grid.particle(column.wrapping_add_signed(across), row), row };
-            }
-            let count = CHUNK.min(columns.end - column);
-            visit(&Segment { row, column, count, nodes: places, node_count: nodes.len(), share });
-        }
+        let inner = Part::new(row, 1..last, nodes(true, true), 1.0);
+        let last = Part::new(row, last..columns, nodes(true, false), self.share(last, columns));
+        [Some(first), Some(inner), Some(last)]
     }
 
     /// Share of a width that line `index` of `count` stands for.

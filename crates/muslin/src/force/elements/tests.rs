@@ -46,12 +46,12 @@ fn particles(grid: &Grid, pins: &[usize]) -> Particles {
 /// Σ over all elements of share times weight times coordinate, with weights that tell them apart.
 fn potential(elements: &GridElements, positions: &Points, particles: &Particles) -> f64 {
     let (mut chunk, mut sum) = (Chunk::empty(), 0.0);
-    elements.for_each(|segment| {
-        chunk.eval(elements, segment, positions, particles);
+    for segment in elements.all() {
+        chunk.eval(elements, &segment, positions, particles);
         for i in 0..chunk.len() {
-            sum += weight(segment, i) * chunk.shares[i] * chunk.coordinates[i];
+            sum += weight(&segment, i) * chunk.shares[i] * chunk.coordinates[i];
         }
-    });
+    }
     sum
 }
 
@@ -66,14 +66,14 @@ fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, 
     for block in elements.grid.blocks(block_size) {
         let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
         let Some(rows) = elements.grid.block_rows(&block) else { panic!("a block of the grid") };
-        elements.for_each_touching(&block, |segment| {
-            chunk.eval(elements, segment, positions, particles);
+        for segment in elements.touching(&block) {
+            chunk.eval(elements, &segment, positions, particles);
             let mut factors = [0.0; CHUNK];
             for (i, factor) in factors[..chunk.len()].iter_mut().enumerate() {
-                *factor = weight(segment, i) * chunk.shares[i];
+                *factor = weight(&segment, i) * chunk.shares[i];
             }
             chunk.add_gradients(&factors, &rows, block.start, &mut own);
-        });
+        }
         rest = others;
     }
     sums
@@ -223,8 +223,8 @@ fn bounds_and_tensors_are_above_every_displacement() {
         let (mut chunk, mut stiffness) = (Chunk::empty(), 0.0);
         let all = 0..count;
         let rows = 0..elements.grid.rows;
-        elements.for_each(|segment| {
-            chunk.eval(&elements, segment, &positions, &particles);
+        for segment in elements.all() {
+            chunk.eval(&elements, &segment, &positions, &particles);
             let mut rates = [0.0; CHUNK];
             chunk.eval_rates(&displacement, &mut rates);
             for (share, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {
@@ -232,7 +232,7 @@ fn bounds_and_tensors_are_above_every_displacement() {
             }
             chunk.add_bounds(&chunk.shares, particles.pinned(), &rows, all.start, &mut bounds);
             chunk.add_tensors(&chunk.shares, particles.pinned(), &rows, all.start, &mut tensors.as_mut());
-        });
+        }
         let (mut by_bounds, mut by_tensors) = (0.0, 0.0);
         for (particle, u) in displacement.iter().enumerate() {
             by_bounds += bounds[particle] * u.length_squared();

@@ -138,14 +138,14 @@ impl GridFriction {
     /// Calls `visit` with the stops of every element, its number among those of its segment and its coordinate.
     fn for_each_stop(&self, at: Configuration<'_>, mut visit: impl FnMut(Stop, f64)) {
         let mut stops = Stops::empty();
-        self.elements.for_each(|segment| {
-            stops.eval(self, at, segment);
-            let slips = self.slips(at, segment);
+        for segment in self.elements.all() {
+            stops.eval(self, at, &segment);
+            let slips = self.slips(at, &segment);
             for i in 0..stops.chunk.len() {
                 let slip = slips.get(i).copied().unwrap_or(0.0);
                 visit(stops.stop(i, slip), stops.chunk.coordinates[i]);
             }
-        });
+        }
     }
 
     /// Adds forces [N] on the particles of `block`, and stiffness bounds [N/m] if they are asked for.
@@ -177,9 +177,9 @@ impl Vectorise for AddFriction<'_, '_> {
         let Self { friction, at, block, forces, mut bounds } = self;
         let Some(rows) = friction.elements.grid.block_rows(block) else { return };
         let (mut stops, mut slips, mut factors) = (Stops::empty(), [0.0; CHUNK], [0.0; CHUNK]);
-        friction.elements.for_each_touching(block, |segment| {
-            stops.eval(friction, at, segment);
-            let known = friction.slips(at, segment);
+        for segment in friction.elements.touching(block) {
+            stops.eval(friction, at, &segment);
+            let known = friction.slips(at, &segment);
             slips[..known.len()].copy_from_slice(known);
             for i in 0..stops.chunk.len() {
                 factors[i] = -stops.stop(i, slips[i]).force(stops.chunk.coordinates[i]);
@@ -189,7 +189,7 @@ impl Vectorise for AddFriction<'_, '_> {
                 let pinned = at.particles.pinned();
                 stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
             }
-        });
+        }
     }
 }
 
@@ -218,11 +218,11 @@ impl Force for GridFriction {
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
         let mut stops = Stops::empty();
-        self.elements.for_each_touching(block, |segment| {
-            stops.eval(self, at, segment);
+        for segment in self.elements.touching(block) {
+            stops.eval(self, at, &segment);
             let pinned = at.particles.pinned();
             stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
-        });
+        }
     }
 
     fn add_stiffness_tensors(
@@ -234,11 +234,11 @@ impl Force for GridFriction {
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
         let mut stops = Stops::empty();
-        self.elements.for_each_touching(block, |segment| {
-            stops.eval(self, at, segment);
+        for segment in self.elements.touching(block) {
+            stops.eval(self, at, &segment);
             let pinned = at.particles.pinned();
             stops.chunk.add_tensors(&stops.stiffnesses, pinned, &rows, block.start, tensors);
-        });
+        }
     }
 
     fn add_tangent_products(
@@ -250,16 +250,16 @@ impl Force for GridFriction {
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
         let (mut stops, mut factors) = (Stops::empty(), [0.0; CHUNK]);
-        self.elements.for_each_touching(block, |segment| {
-            stops.eval(self, at, segment);
+        for segment in self.elements.touching(block) {
+            stops.eval(self, at, &segment);
             stops.chunk.eval_rates(displacements, &mut factors);
-            let slips = self.slips(at, segment);
+            let slips = self.slips(at, &segment);
             for (i, factor) in factors.iter_mut().enumerate().take(stops.chunk.len()) {
                 let stop = stops.stop(i, slips.get(i).copied().unwrap_or(0.0));
                 *factor *= stop.tangent(stops.chunk.coordinates[i], stops.growths[i]);
             }
             stops.chunk.add_gradients(&factors, &rows, block.start, products);
-        });
+        }
     }
 
     fn memory_layers(&self) -> usize {
@@ -294,8 +294,8 @@ impl Vectorise for AdvanceMemory<'_> {
         let layers = GridFriction::layers(memory, block.len());
         let grid = &friction.elements.grid;
         let (mut stops, mut lost) = (Stops::empty(), 0.0);
-        friction.elements.for_each_owned(block, |segment| {
-            stops.eval(friction, at, segment);
+        for segment in friction.elements.owned(block) {
+            stops.eval(friction, at, &segment);
             let slips = &mut memory[segment.memory(grid, block.start, layers, friction.layer)];
             for (i, slip) in slips.iter_mut().enumerate() {
                 let stop = stops.stop(i, *slip);
@@ -303,7 +303,7 @@ impl Vectorise for AdvanceMemory<'_> {
                 lost += if slipped == *slip { 0.0 } else { stop.loss(slipped, stops.growths[i]) };
                 *slip = slipped;
             }
-        });
+        }
         lost
     }
 }
