@@ -97,20 +97,16 @@ impl TileSprings {
     #[inline(always)]
     pub(super) fn eval_coefficients(
         &mut self,
-        [index, direction]: [usize; 2],
+        place: [usize; 2],
         group: Option<&GridFamily>,
         bounded: bool,
         tile: &Tile,
         grid: &Grid,
     ) {
         let count = tile.padded_len();
-        let squares = &self.squares[index][direction][..count];
-        let (coefficients, stiffnesses) =
-            (&mut self.coefficients[index][direction], &mut self.stiffnesses[index][direction]);
-        let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
-        let Some((group, spring)) = spring else {
-            coefficients[..count].fill(0.0);
-            stiffnesses[..count].fill(0.0);
+        let Some(Place { group, spring, squares, coefficients, stiffnesses }) =
+            self.place(place, group, count)
+        else {
             return;
         };
         let varies = bounded && !group.has_constant_stiffness();
@@ -123,9 +119,9 @@ impl TileSprings {
                 stiffnesses[..count].fill(0.0);
             }
         }
-        mend(coefficients, group, [index, direction], tile, grid);
+        mend(coefficients, group, place, tile, grid);
         if varies {
-            mend(stiffnesses, group, [index, direction], tile, grid);
+            mend(stiffnesses, group, place, tile, grid);
         }
     }
 
@@ -134,26 +130,52 @@ impl TileSprings {
     #[inline(always)]
     pub(super) fn eval_tensors(
         &mut self,
-        [index, direction]: [usize; 2],
+        place: [usize; 2],
         group: Option<&GridFamily>,
         tile: &Tile,
         grid: &Grid,
     ) {
         let count = tile.padded_len();
-        let squares = &self.squares[index][direction][..count];
-        let (coefficients, stiffnesses) =
-            (&mut self.coefficients[index][direction], &mut self.stiffnesses[index][direction]);
-        let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
-        let Some((group, spring)) = spring else {
-            coefficients[..count].fill(0.0);
-            stiffnesses[..count].fill(0.0);
+        let Some(Place { group, spring, squares, coefficients, stiffnesses }) =
+            self.place(place, group, count)
+        else {
             return;
         };
         let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
         group.law.visit(EvalTensors { spring, squares, arrays });
-        mend(coefficients, group, [index, direction], tile, grid);
-        mend(stiffnesses, group, [index, direction], tile, grid);
+        mend(coefficients, group, place, tile, grid);
+        mend(stiffnesses, group, place, tile, grid);
     }
+
+    /// The springs in a place, of the first `count` particles; without any, all that is kept of them becomes zero.
+    #[inline(always)]
+    fn place<'a>(
+        &'a mut self,
+        [index, direction]: [usize; 2],
+        group: Option<&'a GridFamily>,
+        count: usize,
+    ) -> Option<Place<'a>> {
+        let squares = &self.squares[index][direction][..count];
+        let coefficients = &mut self.coefficients[index][direction];
+        let stiffnesses = &mut self.stiffnesses[index][direction];
+        let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
+        let Some((group, spring)) = spring else {
+            coefficients[..count].fill(0.0);
+            stiffnesses[..count].fill(0.0);
+            return None;
+        };
+        Some(Place { group, spring, squares, coefficients, stiffnesses })
+    }
+}
+
+/// The springs of a family and direction in a tile.
+struct Place<'a> {
+    group: &'a GridFamily,
+    /// But for its law.
+    spring: Spring<()>,
+    squares: &'a [f64],
+    coefficients: &'a mut OfTile,
+    stiffnesses: &'a mut OfTile,
 }
 
 /// Clears the `values` of what are no springs of a `group`, and halves those of springs along edges if these are half as stiff.

@@ -2,6 +2,7 @@
 
 mod adaptive_step;
 mod block_bound;
+mod block_forces;
 mod central_difference;
 mod limits;
 mod memory;
