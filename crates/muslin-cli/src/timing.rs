@@ -96,8 +96,8 @@ impl Integrator for TimedIntegrator {
         self.timed(|inner| inner.eval_error(model, before, after))
     }
 
-    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points) {
-        self.inner.velocities(model, state, velocities);
+    fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
+        self.timed(|inner| inner.velocities(model, state, velocities));
     }
 
     fn workers(&self) -> &Workers {

@@ -74,6 +74,15 @@ impl Points {
         PointsMut { x: &mut self.x, y: &mut self.y, z: &mut self.z }
     }
 
+    /// The x, y and z of the points of `range`.
+    ///
+    /// # Panics
+    /// If it reaches beyond the last.
+    #[must_use]
+    pub fn slice(&self, range: &Range<usize>) -> [&[f64]; 3] {
+        [&self.x[range.clone()], &self.y[range.clone()], &self.z[range.clone()]]
+    }
+
     /// Exclusive access to the points of `range`.
     ///
     /// # Panics

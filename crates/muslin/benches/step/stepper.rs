@@ -22,7 +22,7 @@ pub(crate) fn model(scene: &Scene, instructions: InstructionSet) -> Model {
     Model::with_instructions(scene, same.unwrap_or_else(|| panic!("{} is not here", instructions.name())))
 }
 
-/// Moves `state` by `step` [s] under forces that are known, and finds those where it is then.
+/// Finds the forces at `state`, and moves it by `step` [s].
 fn advance(method: &mut CentralDifference, model: &Model, state: &mut State, step: f64) {
     let to = StepTo { step, time: state.time + step, is_measured: false };
     method.step_to(model, state, None, to).unwrap_or_else(|error| panic!("{error}"));
@@ -63,7 +63,6 @@ impl Stepper {
         (state.time, state.last_step) = (start.time, start.last_step);
         state.memory.clear();
         state.memory.resize(model.memory_layers() * model.particles().len(), 0.0);
-        method.eval_forces(model, state);
         let workers = method.workers().clone();
         let start = Stopwatch::start(clock);
         workers.install(|| {

@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::block_bound::BlockBound;
 use super::block_forces::{eval_block, eval_block_and_bounds, larger_rates};
 use super::limits::Limiter;
-use super::motion::{MoveBlock, Moved, Steps, combined};
+use super::motion::{MoveBlock, Moved, Steps};
+use super::one_pass::{BandMemory, OnePass};
 use super::pins::place_pins;
 use super::stability::{configuration, larger, largest_damping_rate, stable_step};
 use super::workers::for_each_block;
@@ -45,10 +46,13 @@ use crate::{Model, Motion, Points, PointsMut, State};
 pub struct CentralDifference {
     workers: Workers,
     /// One per thread.
-    sweeps: Vec<Sweep>,
-    /// What came of moving each block.
-    moved: Vec<Moved>,
+    bands: Vec<BandMemory>,
+    pass: OnePass,
     forces: Points,
+    /// Whether `forces` are those at the state that was looked at last: a step that finds them on its way leaves none.
+    has_forces: bool,
+    /// Where threads leave the state that a step begins with.
+    spare: State,
     /// Of the evaluation before, once errors are asked for.
     earlier_forces: Option<Points>,
     stiffness_bounds: Vec<f64>,
@@ -64,10 +68,12 @@ impl CentralDifference {
     #[must_use]
     pub fn new(workers: Workers) -> Self {
         Self {
-            sweeps: (0..workers.count()).map(|_| Sweep::default()).collect(),
-            moved: Vec::new(),
+            bands: (0..workers.count()).map(|_| BandMemory::default()).collect(),
+            pass: OnePass::default(),
             workers,
             forces: Points::default(),
+            has_forces: false,
+            spare: State::at_rest(Points::default()),
             earlier_forces: None,
             stiffness_bounds: Vec::new(),
             block_bound: BlockBound::default(),
@@ -142,33 +148,29 @@ impl CentralDifference {
         self.workers.for_blocks(model.blocks(), bounds, &eval_block, &larger).unwrap_or(0.0)
     }
 
-    /// Moves all particles of `state`, whose positions and velocities are those of `from` if there is one.
+    /// Moves all particles of `state` under forces that are known, and leaves what it was in `before` if there is one.
     fn move_all(
         &mut self,
         model: &Model,
         state: &mut State,
-        from: Option<&State>,
+        before: Option<&mut State>,
         StepTo { step, time, is_measured }: StepTo,
     ) -> Result<Motion, StepError> {
+        let from = left_behind(state, before);
         let steps = Steps { last: state.last_step, next: step };
         let forces = &self.forces;
         let move_block = |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
-            let particles = model.particles();
+            let (particles, forces) = (model.particles(), forces.slice(block));
             let task =
                 MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
             model.instructions().run(task)
         };
         let arrays = (state.positions.as_mut(), state.velocities.as_mut());
         let moved = self.workers.for_blocks(model.blocks(), arrays, &move_block, &Moved::add);
-        state.time = time;
-        state.last_step = step;
-        place_pins(model, time, step, state);
+        self.has_forces = false;
+        arrive(model, state, StepTo { step, time, is_measured });
         let limited = self.limiter.apply(model, &self.forces, step, state);
-        match moved {
-            Some(Moved { is_finite: false, .. }) => Err(not_finite(model.particles(), state)),
-            Some(moved) if is_measured => Ok(moved.motion.add(limited)),
-            _ => Ok(Motion::default()),
-        }
+        measured(model, state, moved).map(|motion| if is_measured { motion.add(limited) } else { motion })
     }
 }
 
@@ -193,50 +195,61 @@ impl CentralDifference {
         }
     }
 
-    /// Whether nothing comes between motion and forces, and one thread does both: the only one, or the one that gets the only block.
-    fn can_take_one_pass(&self, model: &Model) -> bool {
+    /// Evaluates the forces at `state` unless they are known.
+    fn need_forces(&mut self, model: &Model, state: &State) {
+        if !self.has_forces {
+            self.eval_forces(model, state);
+        }
+    }
+
+    /// Whether a step can find the forces where it begins on its way: nobody asks for all of them at once.
+    fn can_find_forces(&self, model: &Model) -> bool {
+        !model.depends_on_velocity() && model.limits().is_empty() && self.earlier_forces.is_none()
+    }
+
+    /// Evaluates the forces at `state` and moves it.
+    fn eval_and_move(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        before: Option<&mut State>,
+        to: StepTo,
+    ) -> Result<Motion, StepError> {
+        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
+        let Self { workers, bands, pass, spare, .. } = self;
+        let is_shared = 1 < workers.count() && 1 < model.blocks().len();
+        let moved = match before.or(is_shared.then_some(spare)) {
+            Some(from) => {
+                state.leave_in(from);
+                pass.step_from((model, workers), state, from, motion, bands)
+            }
+            None => pass.step_in_place(model, state, motion, &mut bands[0]),
+        };
+        arrive(model, state, to);
+        measured(model, state, moved)
+    }
+
+    /// Whether nothing comes between motion and the forces after it, and one thread does both: the only one, or the one that
+    /// gets the only block.
+    fn can_go_on_to_forces(&self, model: &Model) -> bool {
         (self.workers.count() == 1 || model.blocks().len() == 1)
             && model.limits().is_empty()
             && model.moving_pins().is_empty()
             && self.earlier_forces.is_none()
-            && !self.forces.is_empty()
     }
+}
 
-    /// Moves all particles as [`move_all`](Self::move_all) does and calls `eval` for the forces where they arrive, block after
-    /// block, so that what one half leaves in a core's caches the other finds there.
-    fn move_and_eval(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        from: Option<&State>,
-        to: StepTo,
-        mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
-    ) -> Result<Motion, StepError> {
-        let steps = Steps { last: state.last_step, next: to.step };
-        let (particles, blocks) = (model.particles(), model.blocks());
-        let Self { forces, sweeps, moved, .. } = self;
-        let sweep = &mut sweeps[0];
-        (state.time, state.last_step) = (to.time, to.step);
-        sweep.restart();
-        moved.clear();
-        // Forces look at neighbours in the next block at most.
-        for next in 0..=blocks.len() {
-            if let Some(block) = blocks.get(next) {
-                let positions = state.positions.slice_mut(block);
-                let velocities = state.velocities.slice_mut(block);
-                let is_measured = to.is_measured;
-                let task =
-                    MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
-                moved.push(model.instructions().run(task));
-            }
-            if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {
-                eval(configuration(model, state), block, forces.slice_mut(block), sweep);
-            }
-        }
-        match combined(moved) {
-            Some(Moved { is_finite: false, .. }) => Err(not_finite(particles, state)),
-            moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
-        }
+/// Takes note of the end of a step, and places the pins that move.
+fn arrive(model: &Model, state: &mut State, StepTo { step, time, .. }: StepTo) {
+    (state.time, state.last_step) = (time, step);
+    place_pins(model, time, step, state);
+}
+
+/// What came of moving all particles, at the end of the step.
+fn measured(model: &Model, state: &State, moved: Option<Moved>) -> Result<Motion, StepError> {
+    match moved {
+        Some(Moved { is_finite: false, .. }) => Err(not_finite(model.particles(), state)),
+        moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
     }
 }
 
@@ -268,14 +281,16 @@ impl Integrator for CentralDifference {
     fn eval_forces(&mut self, model: &Model, state: &State) {
         self.next_forces(state.positions.len());
         let at = configuration(model, state);
-        let eval_band = |blocks: &[Range<usize>], forces: PointsMut<'_>, sweep: &mut Sweep| {
-            sweep.restart();
-            let eval_block =
-                |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces, sweep);
-            for_each_block(blocks, forces, eval_block, |(), ()| ());
-        };
-        let sweeps = &mut self.sweeps;
-        self.workers.for_bands(model.blocks(), self.forces.as_mut(), sweeps, &eval_band, &|(), ()| ());
+        let eval_band =
+            |blocks: &[Range<usize>], forces: PointsMut<'_>, BandMemory { sweep, .. }: &mut BandMemory| {
+                sweep.restart();
+                let eval_block =
+                    |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces, sweep);
+                for_each_block(blocks, forces, eval_block, |(), ()| ());
+            };
+        let bands = &mut self.bands;
+        self.workers.for_bands(model.blocks(), self.forces.as_mut(), bands, &eval_band, &|(), ()| ());
+        self.has_forces = true;
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, at, state.last_step);
         }
@@ -291,7 +306,9 @@ impl Integrator for CentralDifference {
         self.stiffness_bounds.resize(state.positions.len(), 0.0);
         let at = configuration(model, state);
         let block_bound = &self.block_bound;
-        let eval_band = |blocks: &[Range<usize>], arrays: (PointsMut<'_>, &mut [f64]), sweep: &mut Sweep| {
+        let eval_band = |blocks: &[Range<usize>],
+                         arrays: (PointsMut<'_>, &mut [f64]),
+                         BandMemory { sweep, .. }: &mut BandMemory| {
             sweep.restart();
             let eval_block = |block: &Range<usize>, (forces, bounds): (PointsMut<'_>, &mut [f64])| {
                 eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
@@ -300,8 +317,9 @@ impl Integrator for CentralDifference {
             for_each_block(blocks, arrays, eval_block, larger_rates)
         };
         let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
-        let sweeps = &mut self.sweeps;
-        let largest = self.workers.for_bands(model.blocks(), arrays, sweeps, &eval_band, &larger_rates);
+        let bands = &mut self.bands;
+        let largest = self.workers.for_bands(model.blocks(), arrays, bands, &eval_band, &larger_rates);
+        self.has_forces = true;
         self.finish_with_bounds(model, state, constant_stiffness, largest.unwrap_or_default())
     }
 
@@ -318,19 +336,16 @@ impl Integrator for CentralDifference {
         before: Option<&mut State>,
         to: StepTo,
     ) -> Result<Motion, StepError> {
-        let from = left_behind(state, before);
-        if !self.can_take_one_pass(model) {
-            let motion = self.move_all(model, state, from, to);
+        if !self.can_find_forces(model) {
+            self.need_forces(model, state);
+            let motion = self.move_all(model, state, before, to);
             self.eval_forces(model, state);
             return motion;
         }
-        let motion = self.move_and_eval(model, state, from, to, |at, block, forces, sweep| {
-            eval_block(model, at, block, forces, sweep);
-        });
-        if model.depends_on_velocity() {
-            self.add_velocity_forces(model, configuration(model, state), state.last_step);
+        if self.has_forces {
+            return self.move_all(model, state, before, to);
         }
-        motion
+        self.eval_and_move(model, state, before, to)
     }
 
     fn step_to_and_bound(
@@ -341,25 +356,29 @@ impl Integrator for CentralDifference {
         to: StepTo,
         constant_stiffness: f64,
     ) -> (Result<Motion, StepError>, StableStep) {
-        let from = left_behind(state, before);
-        if !self.can_take_one_pass(model) {
-            let motion = self.move_all(model, state, from, to);
+        self.need_forces(model, state);
+        if !self.can_go_on_to_forces(model) {
+            let motion = self.move_all(model, state, before, to);
             return (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness));
         }
-        let mut bounds = std::mem::take(&mut self.stiffness_bounds);
-        bounds.resize(state.positions.len(), 0.0);
-        let block_bound = std::mem::take(&mut self.block_bound);
+        let from = left_behind(state, before);
+        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
+        arrive(model, state, to);
+        let Self { bands, pass, forces, stiffness_bounds, block_bound, .. } = self;
+        stiffness_bounds.resize(state.positions.len(), 0.0);
         let mut largest = [0.0; 2];
-        let motion = self.move_and_eval(model, state, from, to, |at, block, forces, sweep| {
-            let bounds = &mut bounds[block.clone()];
+        let eval = |at: Configuration<'_>, block: &Range<usize>, forces: PointsMut<'_>, sweep: &mut Sweep| {
+            let bounds = &mut stiffness_bounds[block.clone()];
             eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
             largest = larger_rates(largest, block_bound.rates(model, block, bounds));
-        });
-        (self.stiffness_bounds, self.block_bound) = (bounds, block_bound);
+        };
+        let moved = pass.move_and_eval(model, (state, from), motion, forces, &mut bands[0], eval);
+        let motion = measured(model, state, moved);
         (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))
     }
 
     fn move_by(&mut self, model: &Model, state: &mut State, step: f64, time: f64) -> Result<(), StepError> {
+        self.need_forces(model, state);
         self.move_all(model, state, None, StepTo { step, time, is_measured: false }).map(|_| ())
     }
 
@@ -370,6 +389,7 @@ impl Integrator for CentralDifference {
         step: f64,
         time: f64,
     ) -> Result<Motion, StepError> {
+        self.need_forces(model, state);
         self.move_all(model, state, None, StepTo { step, time, is_measured: true })
     }
 
@@ -394,7 +414,8 @@ impl Integrator for CentralDifference {
         step * step / 6.0 * largest.sqrt()
     }
 
-    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points) {
+    fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
+        self.need_forces(model, state);
         velocities.clone_from(&state.velocities);
         let forces = &self.forces;
         let particles = model.particles();

@@ -7,6 +7,7 @@ mod central_difference;
 mod limits;
 mod memory;
 mod motion;
+mod one_pass;
 mod pins;
 mod stability;
 mod stable_steps;
@@ -36,8 +37,9 @@ pub struct StableStep {
 /// It owns its scratch memory: after the first step, a step allocates nothing.
 ///
 /// A step is in two halves, so that whoever chooses its size can look at the forces in between: first the forces at a
-/// state, then the motion under them. The second half, and [`velocities`](Self::velocities), must be called with the state
-/// and model that the forces were evaluated at.
+/// state, then the motion under them. Forces that are not known yet at the state it is given a method evaluates when it needs
+/// them. It takes that state for the one that it moved or looked at last: whoever changed it since, or has another one or another
+/// model, begins with [`eval_forces`](Self::eval_forces).
 pub trait Integrator: Send {
     /// Evaluates the forces at `state`.
     fn eval_forces(&mut self, model: &Model, state: &State);
@@ -55,7 +57,7 @@ pub trait Integrator: Send {
         constant_stiffness: f64,
     ) -> StableStep;
 
-    /// The [`block_stable_step`] [s] at `state`, where forces were evaluated last, from which later estimates start.
+    /// The [`block_stable_step`] [s] at `state`, from which later estimates start.
     fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64;
 
     /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step
@@ -79,11 +81,11 @@ pub trait Integrator: Send {
         time: f64,
     ) -> Result<Motion, StepError>;
 
-    /// Moves `state` as [`move_by`](Self::move_by) does, or if `is_measured` as
-    /// [`move_and_measure`](Self::move_and_measure), and then [evaluates the forces](Self::eval_forces), with the same
-    /// bits; a method may do both in one pass over the particles. What is not measured is zero. What `state` was before is
-    /// left in `before`, if there is one: whoever takes the step back swaps them. Positions that `before` held must be
-    /// finite, or empty: loops in vectors read more than they use, and zero times NaN is none.
+    /// [Evaluates the forces](Self::eval_forces) at `state` and moves it as [`move_by`](Self::move_by) does, or if `is_measured`
+    /// as [`move_and_measure`](Self::move_and_measure), with the same bits; a method may do both in one pass over the particles.
+    /// What is not measured is zero. What `state` was before is left in `before`, if there is one: whoever takes the step
+    /// back swaps them. Positions that `before` held must be finite, or empty: loops in vectors read more than they use, and
+    /// zero times NaN is none.
     ///
     /// # Errors
     /// As [`move_by`](Self::move_by).
@@ -95,8 +97,8 @@ pub trait Integrator: Send {
         to: StepTo,
     ) -> Result<Motion, StepError>;
 
-    /// [`step_to`](Self::step_to) and the stable step at its end, as
-    /// [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) has it.
+    /// [`step_to`](Self::step_to), and forces and the stable step at its end, as
+    /// [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) has them.
     fn step_to_and_bound(
         &mut self,
         model: &Model,
@@ -120,7 +122,7 @@ pub trait Integrator: Send {
     /// Overwrites `velocities` with the velocities [m/s] at the state's time, one per particle, from the forces.
     ///
     /// [`State::velocities`] may belong to an earlier time; these are as accurate as the positions.
-    fn velocities(&self, model: &Model, state: &State, velocities: &mut Points);
+    fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points);
 
     /// The threads that the method works with.
     fn workers(&self) -> &Workers;

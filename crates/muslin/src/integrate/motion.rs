@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::instructions::Vectorise;
 use crate::model::{ParticleStretch, Particles};
 use crate::points::dot_in_lanes;
-use crate::{Motion, Points, PointsMut, State};
+use crate::{Motion, PointsMut, State};
 
 /// The sizes of the step that led here and of the next one [s].
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ impl Factors {
 }
 
 /// What came of moving some particles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moved {
     /// Whether all positions stay finite.
     pub(super) is_finite: bool,
@@ -59,8 +59,8 @@ pub(super) struct MoveBlock<'a, 'b> {
     pub(super) positions: PointsMut<'b>,
     /// Of the block.
     pub(super) velocities: PointsMut<'b>,
-    /// Forces [N] on all particles.
-    pub(super) forces: &'a Points,
+    /// Forces [N] on the block along x, y and z.
+    pub(super) forces: [&'a [f64]; 3],
     pub(super) is_measured: bool,
 }
 
@@ -70,34 +70,19 @@ impl Vectorise for MoveBlock<'_, '_> {
     #[inline(always)]
     fn run(self) -> Moved {
         let Self { from, particles, steps, block, positions, velocities, forces, is_measured } = self;
-        let [x, y, z] = match from {
-            Some(State { positions, velocities, .. }) => {
-                [(&positions.x, &velocities.x), (&positions.y, &velocities.y), (&positions.z, &velocities.z)]
-                    .map(|(positions, velocities)| {
-                        Some((&positions[block.clone()], &velocities[block.clone()]))
-                    })
+        let [from_x, from_y, from_z] = match from {
+            Some(from) => {
+                let [[x, y, z], [u, v, w]] =
+                    [&from.positions, &from.velocities].map(|points| points.slice(block));
+                [Some((x, u)), Some((y, v)), Some((z, w))]
             }
             None => [None; 3],
         };
+        let [force_x, force_y, force_z] = forces;
         let mut axes = [
-            Axis {
-                from: x,
-                positions: positions.x,
-                velocities: velocities.x,
-                forces: &forces.x[block.clone()],
-            },
-            Axis {
-                from: y,
-                positions: positions.y,
-                velocities: velocities.y,
-                forces: &forces.y[block.clone()],
-            },
-            Axis {
-                from: z,
-                positions: positions.z,
-                velocities: velocities.z,
-                forces: &forces.z[block.clone()],
-            },
+            Axis { from: from_x, positions: positions.x, velocities: velocities.x, forces: force_x },
+            Axis { from: from_y, positions: positions.y, velocities: velocities.y, forces: force_y },
+            Axis { from: from_z, positions: positions.z, velocities: velocities.z, forces: force_z },
         ];
         let mut moved = Moved { is_finite: true, motion: Motion::default() };
         if is_measured {
@@ -283,7 +268,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::InstructionSet;
+    use crate::{InstructionSet, Points};
 
     const STEPS: Steps = Steps { last: 2e-3, next: 3e-3 };
 
@@ -335,7 +320,7 @@ mod tests {
                 block,
                 positions,
                 velocities,
-                forces,
+                forces: forces.slice(block),
                 is_measured: true,
             }));
         }

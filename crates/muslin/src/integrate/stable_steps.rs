@@ -46,7 +46,7 @@ impl StableSteps {
     /// Fewest steps from one evaluation of the block bound to the next, and most of the largest cloth.
     pub(crate) const LASTS: [u32; 2] = [16, 64];
 
-    /// At `state`, where a run begins or goes on; leaves forces evaluated there.
+    /// At `state`, where a run begins or goes on.
     pub fn begin(
         integrator: &mut dyn Integrator,
         model: &Model,
@@ -72,8 +72,9 @@ impl StableSteps {
         self.current
     }
 
-    /// Moves `state` to the end of a step that may be refused yet, and evaluates forces there; the motion, and the stable
-    /// step there. `before` is as in [`Integrator::step_to`]; `is_frame` if it is a frame's.
+    /// Moves `state` to the end of a step that may be refused yet; the motion, and the stable step there.
+    ///
+    /// `before` is as in [`Integrator::step_to`]; `is_frame` if the end is a frame's.
     pub fn step_to(
         &self,
         integrator: &mut dyn Integrator,
@@ -111,7 +112,7 @@ impl StableSteps {
         (motion, next)
     }
 
-    /// `step` at `state`, where forces were evaluated last, with the block bound evaluated.
+    /// `step` at `state`, with the block bound evaluated.
     pub fn evaluated(
         integrator: &mut dyn Integrator,
         model: &Model,
