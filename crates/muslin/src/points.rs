@@ -211,6 +211,34 @@ pub(crate) fn sum_in_lanes(values: &[f64], term: impl Fn(usize, f64) -> f64) -> 
     lanes.iter().sum()
 }
 
+/// Sum of x · u, y · v and z · w, whose lengths are the same, each in the order of [`sum_in_lanes`].
+///
+/// The three together take little more time than one: none waits for the addition before.
+#[inline(always)]
+pub(crate) fn dots_in_lanes([x, y, z]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
+    let [(xs, x_rest), (ys, y_rest), (zs, z_rest)] = [x, y, z].map(<[f64]>::as_chunks::<8>);
+    let [(us, u_rest), (vs, v_rest), (ws, w_rest)] = [u, v, w].map(<[f64]>::as_chunks::<8>);
+    let [mut along_x, mut along_y, mut along_z] = [[0.0; 8]; 3];
+    let count = xs.len();
+    let (ys, zs, us, vs, ws) = (&ys[..count], &zs[..count], &us[..count], &vs[..count], &ws[..count]);
+    for i in 0..count {
+        add_products(&mut along_x, &xs[i], &us[i]);
+        add_products(&mut along_y, &ys[i], &vs[i]);
+        add_products(&mut along_z, &zs[i], &ws[i]);
+    }
+    add_products(&mut along_x, x_rest, u_rest);
+    add_products(&mut along_y, y_rest, v_rest);
+    add_products(&mut along_z, z_rest, w_rest);
+    [along_x, along_y, along_z].iter().map(|lanes| lanes.iter().sum::<f64>()).sum()
+}
+
+#[inline(always)]
+fn add_products(lanes: &mut [f64; 8], a: &[f64], b: &[f64]) {
+    for lane in 0..a.len().min(8) {
+        lanes[lane] += a[lane] * b[lane];
+    }
+}
+
 /// Sum of the products of `a` and `b`, which are as long, in the order of [`sum_in_lanes`].
 #[inline(always)]
 pub(crate) fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {

@@ -5,7 +5,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::{Configuration, Force, PotentialEnergies, Sweep};
-use crate::PointsMut;
+use crate::instructions::Vectorise;
+use crate::model::Particles;
+use crate::{InstructionSet, PointsMut};
 
 /// Uniform gravity.
 ///
@@ -14,8 +16,16 @@ use crate::PointsMut;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity {
-    /// Gravitational acceleration g [m/s²].
-    pub acceleration: DVec3,
+    acceleration: DVec3,
+    instructions: InstructionSet,
+}
+
+impl Gravity {
+    /// Of the `acceleration` g [m/s²], evaluated with `instructions`.
+    #[must_use]
+    pub const fn new(acceleration: DVec3, instructions: InstructionSet) -> Self {
+        Self { acceleration, instructions }
+    }
 }
 
 impl Force for Gravity {
@@ -46,16 +56,8 @@ impl Force for Gravity {
         forces: &mut PointsMut<'_>,
         _sweep: &mut Sweep,
     ) {
-        for stretch in at.particles.stretches(block) {
-            let own = stretch.particles.start - block.start..stretch.particles.end - block.start;
-            let weight = stretch.mass * self.acceleration;
-            forces.x[own.clone()].fill(weight.x);
-            forces.y[own.clone()].fill(weight.y);
-            forces.z[own].fill(weight.z);
-            for other in stretch.others {
-                forces.set(other.particle - block.start, other.mass * self.acceleration);
-            }
-        }
+        let (acceleration, particles) = (self.acceleration, at.particles);
+        self.instructions.run(SetWeights { acceleration, particles, block, forces });
     }
 
     fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
@@ -66,5 +68,40 @@ impl Force for Gravity {
 
     fn has_varying_bounds(&self) -> bool {
         false
+    }
+}
+
+/// Overwrites `forces` [N] on a block with weights.
+struct SetWeights<'a, 'b> {
+    acceleration: DVec3,
+    particles: &'a Particles,
+    block: &'a Range<usize>,
+    forces: &'a mut PointsMut<'b>,
+}
+
+impl Vectorise for SetWeights<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { acceleration, particles, block, forces } = self;
+        for stretch in particles.stretches(block) {
+            let own = stretch.particles.start - block.start..stretch.particles.end - block.start;
+            let weight = stretch.mass * acceleration;
+            set_all(&mut forces.x[own.clone()], weight.x);
+            set_all(&mut forces.y[own.clone()], weight.y);
+            set_all(&mut forces.z[own], weight.z);
+            for other in stretch.others {
+                forces.set(other.particle - block.start, other.mass * acceleration);
+            }
+        }
+    }
+}
+
+/// What `fill` does, which would not be compiled for the same instructions.
+#[inline(always)]
+fn set_all(values: &mut [f64], value: f64) {
+    for i in 0..values.len() {
+        values[i] = value;
     }
 }

@@ -9,6 +9,7 @@ use super::motion::{MoveBlock, Moved, Steps};
 use super::one_pass::{BandMemory, OnePass};
 use super::pins::place_pins;
 use super::stability::{configuration, larger, largest_damping_rate, stable_step};
+use super::synchronous::Synchronise;
 use super::workers::for_each_block;
 use super::{Integrator, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
@@ -117,16 +118,13 @@ impl CentralDifference {
             velocities.fill(0.0);
             let mut sweep = Sweep::default();
             moving().for_each(|force| force.add_forces(at, block, &mut velocities, &mut sweep));
-            for (values, forces, old) in [
-                (velocities.x, &other_forces.x, &at.velocities.x),
-                (velocities.y, &other_forces.y, &at.velocities.y),
-                (velocities.z, &other_forces.z, &at.velocities.z),
-            ] {
-                for (value, particle) in values.iter_mut().zip(block.clone()) {
-                    let force = forces[particle] + *value;
-                    *value = velocity_at_state(at.particles, particle, old[particle], force, last_step);
-                }
+            let axes = [&mut *velocities.x, &mut *velocities.y, &mut *velocities.z];
+            for (values, forces) in axes.into_iter().zip(other_forces.slice(block)) {
+                values.iter_mut().zip(forces).for_each(|(value, force)| *value += force);
             }
+            let (particles, older) = (at.particles, at.velocities.slice(block));
+            let task = Synchronise { particles, block, last_step, older, values: velocities };
+            model.instructions().run(task);
         };
         self.workers.for_blocks(model.blocks(), self.velocities.as_mut(), &predict_block, &|(), ()| ());
         model.moving_pins().eval_velocities(at.time, &mut self.velocities);
@@ -259,22 +257,6 @@ fn left_behind<'a>(state: &mut State, before: Option<&'a mut State>) -> Option<&
         state.leave_in(before);
         &*before
     })
-}
-
-/// One coordinate of the velocity [m/s] of `particle` at the state's time, from that half of `last_step` [s] before it and
-/// the `force` [N] at the state's time; a pin keeps its own.
-fn velocity_at_state(
-    particles: &Particles,
-    particle: usize,
-    velocity: f64,
-    force: f64,
-    last_step: f64,
-) -> f64 {
-    if particles.pinned()[particle] {
-        return velocity;
-    }
-    let twice_mass = 2.0 * particles.masses()[particle];
-    (twice_mass * velocity + last_step * force) / (twice_mass + particles.drags()[particle] * last_step)
 }
 
 impl Integrator for CentralDifference {
@@ -416,19 +398,13 @@ impl Integrator for CentralDifference {
 
     fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
         self.need_forces(model, state);
-        velocities.clone_from(&state.velocities);
-        let forces = &self.forces;
-        let particles = model.particles();
-        let half_step_block = |block: &Range<usize>, velocities: PointsMut<'_>| {
-            let axes = [(velocities.x, &forces.x), (velocities.y, &forces.y), (velocities.z, &forces.z)];
-            for (velocities, forces) in axes {
-                for (velocity, particle) in velocities.iter_mut().zip(block.clone()) {
-                    let force = forces[particle];
-                    *velocity = velocity_at_state(particles, particle, *velocity, force, state.last_step);
-                }
-            }
+        velocities.clone_from(&self.forces);
+        let synchronise_block = |block: &Range<usize>, values: PointsMut<'_>| {
+            let (particles, last_step) = (model.particles(), state.last_step);
+            let older = state.velocities.slice(block);
+            model.instructions().run(Synchronise { particles, block, last_step, older, values });
         };
-        self.workers.for_blocks(model.blocks(), velocities.as_mut(), &half_step_block, &|(), ()| ());
+        self.workers.for_blocks(model.blocks(), velocities.as_mut(), &synchronise_block, &|(), ()| ());
         model.moving_pins().eval_velocities(state.time, velocities);
     }
 

@@ -11,6 +11,7 @@ mod one_pass;
 mod pins;
 mod stability;
 mod stable_steps;
+mod synchronous;
 mod workers;
 
 pub use adaptive_step::{AdaptiveStep, IdealStep};

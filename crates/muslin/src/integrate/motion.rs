@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::instructions::Vectorise;
 use crate::model::{ParticleStretch, Particles};
-use crate::points::dot_in_lanes;
+use crate::points::dots_in_lanes;
 use crate::{Motion, PointsMut, State};
 
 /// The sizes of the step that led here and of the next one [s].
@@ -183,12 +183,12 @@ fn power(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>; 3], is_a
     let mut power = 0.0;
     for run in particles.runs(block).filter(|run| !run.is_pinned) {
         let own = run.particles.start - block.start..run.particles.end - block.start;
-        let mut sum = 0.0;
-        for axis in axes {
-            let velocities = if is_after { &*axis.velocities } else { axis.velocities_before() };
-            sum += dot_in_lanes(&axis.forces[own.clone()], &velocities[own.clone()]);
-        }
-        power += sum;
+        let [x, y, z] = axes;
+        let forces = [&x.forces[own.clone()], &y.forces[own.clone()], &z.forces[own.clone()]];
+        let velocities =
+            [x, y, z].map(|axis| if is_after { &*axis.velocities } else { axis.velocities_before() });
+        let [u, v, w] = velocities;
+        power += dots_in_lanes(forces, [&u[own.clone()], &v[own.clone()], &w[own]]);
     }
     power
 }
@@ -199,12 +199,9 @@ fn kinetic_energy(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>;
     let mut energy = 0.0;
     for run in particles.runs(block).filter(|run| !run.is_pinned) {
         let own = run.particles.start - block.start..run.particles.end - block.start;
-        let mut squares = 0.0;
-        for axis in axes {
-            let velocities = &axis.velocities[own.clone()];
-            squares += dot_in_lanes(velocities, velocities);
-        }
-        energy += 0.5 * run.mass * squares;
+        let [x, y, z] = axes;
+        let velocities = [&x.velocities[own.clone()], &y.velocities[own.clone()], &z.velocities[own]];
+        energy += 0.5 * run.mass * dots_in_lanes(velocities, velocities);
     }
     energy
 }

@@ -73,7 +73,7 @@ impl Model {
         let mut limits: Vec<Box<dyn Limit>> = Vec::new();
         let environment = scene.environment();
         if environment.gravity != glam::DVec3::ZERO {
-            forces.push(Box::new(Gravity { acceleration: environment.gravity }));
+            forces.push(Box::new(Gravity::new(environment.gravity, instructions)));
         }
         for settings in scene.cloths() {
             let grid = Grid::new(particles.len(), settings.grid);

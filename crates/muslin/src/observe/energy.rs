@@ -8,7 +8,7 @@ use super::{Frame, Observer};
 use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
-use crate::points::{dot_in_lanes, sum_in_lanes};
+use crate::points::{dots_in_lanes, sum_in_lanes};
 use crate::{Model, Points, PointsMut, State};
 
 /// Energies [J] at one time.
@@ -319,11 +319,11 @@ impl Vectorise for DragPower<'_> {
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let Self { particles, velocities: Points { x, y, z } } = self;
+        let Self { particles, velocities } = self;
         let mut power = 0.0;
         for run in particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0) {
-            let (x, y, z) = (&x[run.particles.clone()], &y[run.particles.clone()], &z[run.particles.clone()]);
-            power += run.drag * (dot_in_lanes(x, x) + dot_in_lanes(y, y) + dot_in_lanes(z, z));
+            let velocities = velocities.slice(&run.particles);
+            power += run.drag * dots_in_lanes(velocities, velocities);
         }
         power
     }
