@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::tile_springs::set_all;
 use super::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
@@ -95,13 +96,5 @@ impl Vectorise for SetWeights<'_, '_> {
                 forces.set(other.particle - block.start, other.mass * acceleration);
             }
         }
-    }
-}
-
-/// What `fill` does, which would not be compiled for the same instructions.
-#[inline(always)]
-fn set_all(values: &mut [f64], value: f64) {
-    for i in 0..values.len() {
-        values[i] = value;
     }
 }

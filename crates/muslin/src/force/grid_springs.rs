@@ -1,4 +1,4 @@
-//! All springs of a grid.
+//! All springs of a grid, and its rigidity.
 
 use std::ops::Range;
 
@@ -6,17 +6,19 @@ use super::grid_laws::{GridLaws, Lines, SpringGroup};
 use super::grid_stiffness::TensorSweep;
 use super::grid_strains::{self, RaiseMaxStrains};
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
+use super::row_sums::TileBending;
 use super::row_sweep::RowSweep;
 use super::spring::{Spring, SpringLength};
 use super::{
-    Configuration, Family, Force, PotentialEnergies, SpringEnds, StiffnessTensorsMut, StrainSums, Sweep,
+    Configuration, Family, Force, GridBending, PotentialEnergies, SpringEnds, StiffnessTensorsMut,
+    StrainSums, Sweep,
 };
 use crate::InstructionSet;
 use crate::model::Grid;
 use crate::scene::ForceDirection;
 use crate::{Points, PointsMut};
 
-/// The structural, shear and bend springs of one grid.
+/// The structural, shear and bend springs of one grid, or in place of bend springs its rigidity.
 ///
 /// A particle has up to twelve neighbours at fixed places in the grid, so there are no index arrays: loops run over a
 /// row of particles and the row of their neighbours. A family without stiffness has no springs.
@@ -26,6 +28,8 @@ pub struct GridSprings {
     pub(super) families: Vec<GridFamily>,
     /// Which of them have springs of a family, in the order of [`Family::ALL`], and direction; not those along edges.
     swept: [[Option<usize>; 2]; 3],
+    /// Its forces are found with those of the springs. Invariant: there are no bend springs then.
+    pub(super) bending: Option<GridBending>,
     instructions: InstructionSet,
 }
 
@@ -85,7 +89,33 @@ impl GridSprings {
                 *place = place.or(rest_length.map(|_| index));
             }
         }
-        Self { grid, families, swept, instructions }
+        Self { grid, families, swept, bending: None, instructions }
+    }
+
+    /// The same with a rigidity against `bending` of the same grid.
+    ///
+    /// # Panics
+    /// If there are bend springs.
+    #[must_use]
+    pub fn with_bending(self, bending: GridBending) -> Self {
+        assert!(!self.has_bend_springs(), "a grid bends by springs or has a rigidity");
+        Self { bending: Some(bending), ..self }
+    }
+
+    /// What resists bending.
+    pub(super) fn tile_bending(&self) -> TileBending {
+        match (&self.bending, self.has_bend_springs()) {
+            (Some(_), _) => TileBending::Rigidity,
+            (None, true) => TileBending::Springs,
+            (None, false) => TileBending::None,
+        }
+    }
+
+    /// Adds forces to all that are swept: where a clamp holds.
+    fn add_clamp_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
+        if let Some(bending) = &self.bending {
+            bending.add_clamp_products(at.positions, -1.0, block, forces);
+        }
     }
 
     /// The groups of springs by family and direction, but for those along edges that are half as stiff as others of their kind.
@@ -291,10 +321,12 @@ impl Force for GridSprings {
     ) {
         let Some(rows) = self.grid.block_rows(block) else { return };
         self.instructions.run(RowSweep { springs: self, at, rows, forces, bounds: None, sweep });
+        self.add_clamp_forces(at, block, forces);
     }
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         self.for_each_row(at, block, |family, row| family.law.visit(AddBounds { row, bounds }));
+        self.bending.iter().for_each(|bending| bending.add_stiffness_bounds(at, block, bounds));
     }
 
     fn add_stiffness_tensors(
@@ -306,6 +338,7 @@ impl Force for GridSprings {
     ) {
         let Some(rows) = self.grid.block_rows(block) else { return };
         self.instructions.run(TensorSweep { springs: self, at, rows, tensors, sweep });
+        self.bending.iter().for_each(|bending| bending.add_stiffness_tensors(at, block, tensors, sweep));
     }
 
     fn add_forces_and_varying_bounds(
@@ -319,6 +352,7 @@ impl Force for GridSprings {
         let Some(rows) = self.grid.block_rows(block) else { return };
         let bounds = self.has_varying_bounds().then_some(bounds);
         self.instructions.run(RowSweep { springs: self, at, rows, forces, bounds, sweep });
+        self.add_clamp_forces(at, block, forces);
     }
 
     fn add_constant_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
@@ -327,6 +361,7 @@ impl Force for GridSprings {
                 family.law.visit(AddBounds { row, bounds });
             }
         });
+        self.bending.iter().for_each(|bending| bending.add_constant_bounds(at, block, bounds));
     }
 
     fn has_varying_bounds(&self) -> bool {
@@ -346,6 +381,9 @@ impl Force for GridSprings {
             let product = family.spring(rest_length).tangent_product(vector, displacement);
             products.add(own - block.start, product);
         });
+        self.bending
+            .iter()
+            .for_each(|bending| bending.add_tangent_products(at, displacements, block, products));
     }
 
     fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
@@ -355,6 +393,7 @@ impl Force for GridSprings {
                 energies.elastic[family.family as usize] += family.spring(rest_length).energy(length);
             }
         });
+        self.bending.iter().for_each(|bending| bending.add_energies(at, energies));
     }
 
     fn spring_counts(&self) -> [u64; 3] {

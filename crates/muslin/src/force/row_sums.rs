@@ -41,6 +41,16 @@ pub(super) struct Pending<'a> {
     pub(super) after: &'a mut [f64],
 }
 
+/// What resists bending in a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum TileBending {
+    None,
+    /// Bend springs.
+    Springs,
+    /// Second differences along rows and columns, and those of cells.
+    Rigidity,
+}
+
 impl Pulls {
     pub(super) const ZERO: Self = Self {
         own: [0.0; PAD + TILE],
@@ -51,28 +61,29 @@ impl Pulls {
         far_down: [0.0; PAD + TILE],
     };
 
-    /// There are no bend springs, whatever another grid left.
+    /// Nothing resists bending, whatever another grid left.
     pub(super) fn clear_far(&mut self) {
         self.far_right.fill(0.0);
         self.far_down.fill(0.0);
     }
 
-    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Where there are
-    /// no bend springs theirs must be [clear](Self::clear_far), and stay so.
+    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Where nothing
+    /// resists bending that must be [clear](Self::clear_far), and stay so.
     #[inline(always)]
     pub(super) fn eval(
         &mut self,
         springs: &TileSprings,
-        has_bend_springs: bool,
+        bending: TileBending,
         coordinates: Coordinates<'_>,
         border: Border,
         tile: &Tile,
     ) {
         self.begin(border);
-        if has_bend_springs {
-            eval_pulls::<true>(self, springs, coordinates, tile.padded_len());
-        } else {
-            eval_pulls::<false>(self, springs, coordinates, tile.padded_len());
+        let count = tile.padded_len();
+        match bending {
+            TileBending::None => eval_pulls::<false, false>(self, springs, coordinates, count),
+            TileBending::Springs => eval_pulls::<true, false>(self, springs, coordinates, count),
+            TileBending::Rigidity => eval_pulls::<false, true>(self, springs, coordinates, count),
         }
     }
 
@@ -149,7 +160,7 @@ impl Pulls {
 }
 
 #[inline(always)]
-fn eval_pulls<const BEND: bool>(
+fn eval_pulls<const BEND: bool, const RIGID: bool>(
     pulls: &mut Pulls,
     springs: &TileSprings,
     coordinates: Coordinates<'_>,
@@ -159,6 +170,7 @@ fn eval_pulls<const BEND: bool>(
     let Ends { own, right, far_right, down, down_right, far_down } = Ends::of(coordinates, count);
     let [[across_c, down_c], [diagonal_c, other_diagonal_c], [far_across_c, far_down_c]] =
         &springs.coefficients;
+    let twists = &springs.twists;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
     let pulls_far_right = &mut pulls.far_right[PAD..][..count];
@@ -180,6 +192,19 @@ fn eval_pulls<const BEND: bool>(
             pulls_own[i] += far_across + far_below;
             pulls_far_right[i] = far_across;
             pulls_far_down[i] = far_below;
+        }
+        if RIGID {
+            // c (x₀ − 2 x₁ + x₂) pulls at the ends of three in a line, and twice as much the other way at their middle.
+            let (to_right, to_down) = (right[i] - own[i], down[i] - own[i]);
+            let across = far_across_c[i] * ((far_right[i] - right[i]) - to_right);
+            let along = far_down_c[i] * ((far_down[i] - down[i]) - to_down);
+            let twist = twists[i] * ((down_right[i] - right[i]) - to_down);
+            pulls_own[i] -= (across + along) + twist;
+            pulls_right[i] += (across + across) + twist;
+            pulls_down[i] -= (along + along) + twist;
+            pulls_down_right[i] += twist;
+            pulls_far_right[i] = across;
+            pulls_far_down[i] = along;
         }
     }
 }

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::grid_springs::{GridFamily, GridSprings};
-use super::row_sums::{Border, Pending, Pulls};
+use super::row_sums::{Border, Pending, Pulls, TileBending};
 use super::tile::{EndCopies, TILE, Tile, Weights};
 use super::tile_springs::TileSprings;
 use super::{Configuration, StiffnessTensors};
@@ -86,7 +86,8 @@ struct KeptRow {
     bounds: Vec<f64>,
 }
 
-/// Adds the forces of all `springs` on a block of `rows`, and their stiffness bounds if there are any to add to.
+/// Adds the forces of all `springs` and of their rigidity on a block of `rows`, and the stiffness bounds of the springs if there
+/// are any to add to.
 pub(super) struct RowSweep<'a, 'b> {
     pub(super) springs: &'a GridSprings,
     pub(super) at: Configuration<'a>,
@@ -155,7 +156,7 @@ impl RowPass<'_> {
     /// Makes room, and begins with nothing from earlier rows.
     fn start(&mut self) {
         let columns = self.springs.grid.columns;
-        if !self.springs.has_bend_springs() {
+        if self.springs.tile_bending() == TileBending::None {
             self.tile.pulls.clear_far();
         }
         if self.is_bounded {
@@ -196,6 +197,10 @@ impl RowPass<'_> {
                     springs.eval_coefficients([index, direction], group, bounded, &tile, grid);
                 }
             }
+            if let Some(bending) = &self.springs.bending {
+                springs.set_rigidity(bending.coefficients(), &tile, grid);
+            }
+            let bending = self.springs.tile_bending();
             let [next, after] = &mut *self.kept;
             let kept = [
                 (&mut next.forces.x, &mut after.forces.x),
@@ -203,7 +208,7 @@ impl RowPass<'_> {
                 (&mut next.forces.z, &mut after.forces.z),
             ];
             for (axis, (next, after)) in kept.into_iter().enumerate() {
-                pulls.eval(springs, has_bend_springs, coordinates[axis], borders[axis], &tile);
+                pulls.eval(springs, bending, coordinates[axis], borders[axis], &tile);
                 borders[axis] = pulls.border(tile.columns.len());
                 let pending = Pending {
                     next: &mut next[tile.columns.clone()],

@@ -34,10 +34,14 @@ pub(super) struct TileSprings {
     pub(super) coefficients: OfSprings,
     /// Stiffness [N/m], where it varies; for tensors that across the springs, zero where there is none.
     pub(super) stiffnesses: OfSprings,
+    /// Of a rigidity, coefficients [N/m] of the cells that begin at a particle; those of its second differences are in the
+    /// places of bend springs.
+    pub(super) twists: OfTile,
 }
 
 impl TileSprings {
-    pub(super) const ZERO: Self = Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO };
+    pub(super) const ZERO: Self =
+        Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO, twists: [0.0; ROOM] };
 
     /// Finds the lengths of all springs of a tile whose coordinates are x, y and z; not of bend springs if there are none.
     #[inline(always)]
@@ -123,6 +127,19 @@ impl TileSprings {
         if varies {
             mend(stiffnesses, group, place, tile, grid);
         }
+    }
+
+    /// Sets the coefficients of a rigidity b_x, b_y and d [N/m] in a `tile` of `grid`, in place of those of bend springs.
+    #[inline(always)]
+    pub(super) fn set_rigidity(&mut self, [across, along, twist]: [f64; 3], tile: &Tile, grid: &Grid) {
+        let [_, [_, diagonal], bend] = &SHAPES;
+        for ((values, coefficient), shape) in self.coefficients[2].iter_mut().zip([across, along]).zip(bend) {
+            set_all(&mut values[..tile.padded_len()], coefficient);
+            clear_absent(values, shape, tile, grid);
+            halve_edges(values, shape, tile, grid);
+        }
+        set_all(&mut self.twists[..tile.padded_len()], twist);
+        clear_absent(&mut self.twists, diagonal, tile, grid);
     }
 
     /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses
@@ -335,6 +352,14 @@ fn eval_tensors<L: TensionLaw>(
         let [along, across] = spring.stiffnesses(length);
         coefficients[i] = (along - across) * length.inverse * length.inverse;
         stiffnesses[i] = across;
+    }
+}
+
+/// What `fill` does, which would not be compiled for the same instructions.
+#[inline(always)]
+pub(super) fn set_all(values: &mut [f64], number: f64) {
+    for value in values {
+        *value = number;
     }
 }
 

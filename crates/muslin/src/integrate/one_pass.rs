@@ -116,13 +116,13 @@ impl OnePass {
         sweep.restart();
         // Forces look at neighbours in the next block at most.
         for next in 0..=blocks.len() {
-            if let Some(block) = blocks.get(next) {
+            if let Some((block, moved)) = blocks.get(next).zip(moved.get_mut(next)) {
                 let (positions, velocities) =
                     (state.positions.slice_mut(block), state.velocities.slice_mut(block));
                 let forces = forces.slice(block);
                 let task =
                     MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
-                moved[next] = model.instructions().run(task);
+                *moved = model.instructions().run(task);
             }
             if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {
                 eval(configuration(model, state), block, forces.slice_mut(block), sweep);

@@ -112,12 +112,13 @@ impl Model {
                 }
                 Fabric::Measured(fabric) => {
                     let laws = GridLaws::of_measured(fabric, &grid);
-                    forces.push(Box::new(GridSprings::new(grid, laws, instructions)));
-                    let bending = GridBending::new(grid, fabric.bending, &particles, instructions);
+                    let mut springs = GridSprings::new(grid, laws, instructions);
+                    let bending = GridBending::new(grid, fabric.bending, &particles);
                     let is_rigidity = fabric.bending_model == BendingModel::SecondDifferences;
                     if is_rigidity && !bending.is_zero() {
-                        forces.push(Box::new(bending));
+                        springs = springs.with_bending(bending);
                     }
+                    forces.push(Box::new(springs));
                     forces.extend(boxed(GridFriction::of_measured(fabric, grid, instructions)));
                     forces.extend(boxed(GridDashpots::of_measured(fabric, grid, instructions)));
                 }

@@ -1,16 +1,16 @@
 //! Bending rigidity of a grid, by second differences.
 
-mod row_products;
 #[cfg(test)]
 mod tests;
 
 use std::ops::Range;
 
-use self::row_products::AddProducts;
+use glam::DVec3;
+
 use super::{Configuration, Family, Force, PotentialEnergies, Sweep};
 use crate::model::{Grid, Particles};
 use crate::scene::BendingRigidity;
-use crate::{InstructionSet, Points, PointsMut};
+use crate::{Points, PointsMut};
 
 /// Weights of particles in the second difference of three in a line.
 const SECOND_DIFFERENCE: [f64; 3] = [1.0, -2.0, 1.0];
@@ -35,6 +35,9 @@ const SECOND_DIFFERENCE: [f64; 3] = [1.0, -2.0, 1.0];
 /// around the second pin has twice its weight: its curvature is that of half a cell, from the clamp's edge on. Measured
 /// from the second row of pins, a cantilever then has the right length to second order, where it would be half a cell too
 /// long.
+///
+/// Its forces are found with those of the [springs](super::GridSprings) of the grid that it is given to, in the same loops; by
+/// itself it finds them from particle to particle, and more slowly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridBending {
     grid: Grid,
@@ -44,7 +47,6 @@ pub struct GridBending {
     twist: f64,
     /// Triples at clamps, as far as they count twice, by the particles around which they are.
     clamps: Vec<Triple>,
-    instructions: InstructionSet,
 }
 
 /// Three particles in a line with the energy ½ c |x₀ − 2 x₁ + x₂|².
@@ -68,15 +70,9 @@ struct Weights {
 }
 
 impl GridBending {
-    /// The rigidity of `grid`, which has at least two columns and rows, some of whose `particles` are pinned, evaluated with
-    /// `instructions`.
+    /// The rigidity of `grid`, which has at least two columns and rows, some of whose `particles` are pinned.
     #[must_use]
-    pub fn new(
-        grid: Grid,
-        rigidity: BendingRigidity,
-        particles: &Particles,
-        instructions: InstructionSet,
-    ) -> Self {
+    pub fn new(grid: Grid, rigidity: BendingRigidity, particles: &Particles) -> Self {
         let (hx, hy) = (grid.column_spacing, grid.row_spacing);
         let mut bending = Self {
             grid,
@@ -84,7 +80,6 @@ impl GridBending {
             along_rows: rigidity.warp * hx / (hy * hy * hy),
             twist: 4.0 * rigidity.twist / (hx * hy),
             clamps: Vec::new(),
-            instructions,
         };
         let mut clamps = Vec::new();
         bending.for_each_triple(|triple| {
@@ -152,11 +147,37 @@ impl GridBending {
         }
     }
 
+    /// b_x, b_y and d [N/m].
+    pub(super) fn coefficients(&self) -> [f64; 3] {
+        [self.along_columns, self.along_rows, self.twist]
+    }
+
     /// Adds `factor` K x to `sums` for the particles of `block`, with the constant tangent K and `points` x of all
     /// particles.
     fn add_products(&self, points: &Points, factor: f64, block: &Range<usize>, sums: &mut PointsMut<'_>) {
         let Some(rows) = self.grid.block_rows(block) else { return };
-        self.instructions.run(AddProducts { bending: self, points, factor, rows, sums });
+        for row in rows {
+            for column in 0..self.grid.columns {
+                let own = self.grid.particle(column, row);
+                let place = points.get(own);
+                let mut product = DVec3::ZERO;
+                for (other, weight) in self.neighbours(column, row) {
+                    product += weight * (points.get(other) - place);
+                }
+                sums.add(own - block.start, factor * product);
+            }
+        }
+        self.add_clamp_products(points, factor, block, sums);
+    }
+
+    /// The part of [`add_products`](Self::add_products) that clamps have because they count twice.
+    pub(super) fn add_clamp_products(
+        &self,
+        points: &Points,
+        factor: f64,
+        block: &Range<usize>,
+        sums: &mut PointsMut<'_>,
+    ) {
         for clamp in self.clamps_near(block) {
             let [a, b, c] = clamp.particles.map(|particle| points.get(particle));
             let product = ((a - b) + (c - b)) * (factor * clamp.coefficient);

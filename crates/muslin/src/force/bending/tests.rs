@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use super::super::{GridLaws, GridSprings};
 use super::*;
-use crate::scene::GridSettings;
+use crate::InstructionSet;
+use crate::scene::{ForceDirection, GridSettings};
 
 const RIGIDITY: BendingRigidity = BendingRigidity { warp: 3e-6, weft: 7e-6, twist: 2e-6 };
 
@@ -20,7 +22,7 @@ fn bending(columns: usize, rows: usize, pins: &[(usize, usize)]) -> (GridBending
     for &(column, row) in pins {
         particles.pin(grid.particle(column, row));
     }
-    (GridBending::new(grid, RIGIDITY, &particles, InstructionSet::best()), particles)
+    (GridBending::new(grid, RIGIDITY, &particles), particles)
 }
 
 /// Points without any order, below 1 m.
@@ -33,18 +35,25 @@ fn configuration<'a>(particles: &'a Particles, positions: &'a Points) -> Configu
     Configuration { time: 0.0, particles, positions, velocities: positions, memory: &[] }
 }
 
-/// The same rigidity, evaluated with `instructions`.
-fn with(instructions: InstructionSet, bending: &GridBending) -> GridBending {
-    GridBending { instructions, ..bending.clone() }
+/// The forces of a grid that has no springs.
+fn forces(bending: &GridBending, particles: &Particles, positions: &Points) -> Points {
+    forces_with(InstructionSet::best(), usize::MAX, bending, particles, positions)
 }
 
-fn forces(bending: &GridBending, particles: &Particles, positions: &Points, block_size: usize) -> Points {
+/// The same with `instructions` and blocks of `block_size` particles.
+fn forces_with(
+    instructions: InstructionSet,
+    block_size: usize,
+    bending: &GridBending,
+    particles: &Particles,
+    positions: &Points,
+) -> Points {
+    let laws = GridLaws { groups: Vec::new(), direction: ForceDirection::CurrentLength };
+    let springs = GridSprings::new(bending.grid, laws, instructions).with_bending(bending.clone());
     let mut forces = Points::zeros(positions.len());
-    let mut rest = forces.as_mut();
+    let at = configuration(particles, positions);
     for block in bending.grid.blocks(block_size) {
-        let (mut own, others) = rest.split_at(block.len());
-        bending.add_forces(configuration(particles, positions), &block, &mut own, &mut Sweep::default());
-        rest = others;
+        springs.add_forces(at, &block, &mut forces.slice_mut(&block), &mut Sweep::default());
     }
     forces
 }
@@ -65,7 +74,7 @@ fn scale(bending: &GridBending) -> f64 {
 fn force_is_the_gradient_of_the_energy() {
     for (bending, particles) in cases() {
         let mut positions = crumpled(particles.len());
-        let forces = forces(&bending, &particles, &positions, usize::MAX);
+        let forces = forces(&bending, &particles, &positions);
         for particle in 0..particles.len() {
             let place = positions.get(particle);
             for axis in DVec3::AXES {
@@ -93,8 +102,7 @@ fn tangent_is_the_derivative_of_the_force() {
         let mut products = Points::zeros(particles.len());
         let at = configuration(&particles, &positions);
         bending.add_tangent_products(at, &displacements, &(0..particles.len()), &mut products.as_mut());
-        let [before, after] =
-            [&positions, &moved].map(|points| forces(&bending, &particles, points, usize::MAX));
+        let [before, after] = [&positions, &moved].map(|points| forces(&bending, &particles, points));
         for (product, (before, after)) in products.iter().zip(before.iter().zip(after.iter())) {
             assert!((product - (before - after)).length() < 1e-13 * scale(&bending));
         }
@@ -123,7 +131,7 @@ fn energy_is_that_of_a_plate() {
         let found = energy(&bending, &particles, &shape(height));
         assert!((found / exact - 1.0).abs() < 1e-12, "{found:e} J for {exact:e} J");
     }
-    let flat = forces(&bending, &particles, &shape(&|x, y| 0.4 * x - 2.0 * y + 1.0), usize::MAX);
+    let flat = forces(&bending, &particles, &shape(&|x, y| 0.4 * x - 2.0 * y + 1.0));
     assert!(flat.iter().all(|force| force.length() < 1e-14 * scale(&bending)));
 }
 
@@ -149,16 +157,28 @@ fn blocks_and_instructions_do_not_change_a_bit() {
     let wide = [(17, 3), (41, 5), (300, 4), (513, 9)].map(|(columns, rows)| bending(columns, rows, &pins));
     for (bending, particles) in cases().into_iter().chain(wide) {
         let positions = crumpled(particles.len());
-        let whole = forces(&bending, &particles, &positions, usize::MAX);
+        let whole = forces(&bending, &particles, &positions);
         for instructions in InstructionSet::available() {
-            let bending = with(instructions, &bending);
-            assert_eq!(forces(&bending, &particles, &positions, 1), whole, "{}", instructions.name());
-            assert_eq!(
-                forces(&bending, &particles, &positions, usize::MAX),
-                whole,
-                "{}",
-                instructions.name()
-            );
+            for size in [1, usize::MAX] {
+                let found = forces_with(instructions, size, &bending, &particles, &positions);
+                assert_eq!(found, whole, "{} by {size}", instructions.name());
+            }
+        }
+    }
+}
+
+/// What finds them with springs finds what the weights of neighbours give.
+#[test]
+fn forces_are_those_from_particle_to_particle() {
+    for (bending, particles) in cases() {
+        let positions = crumpled(particles.len());
+        let mut expected = Points::zeros(particles.len());
+        let at = configuration(&particles, &positions);
+        let all = 0..particles.len();
+        bending.add_forces(at, &all, &mut expected.as_mut(), &mut Sweep::default());
+        let found = forces(&bending, &particles, &positions);
+        for (found, expected) in found.iter().zip(expected.iter()) {
+            assert!((found - expected).length() < 1e-13 * scale(&bending), "{found}, {expected}");
         }
     }
 }
