@@ -229,7 +229,13 @@ pub(crate) fn dots_in_lanes([x, y, z]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f
     add_products(&mut along_x, x_rest, u_rest);
     add_products(&mut along_y, y_rest, v_rest);
     add_products(&mut along_z, z_rest, w_rest);
-    [along_x, along_y, along_z].iter().map(|lanes| lanes.iter().sum::<f64>()).sum()
+    sum(along_x) + sum(along_y) + sum(along_z)
+}
+
+/// Not inlined: seeing how lanes end, the compiler would shuffle them all along for the sake of these few additions.
+#[inline(never)]
+fn sum(lanes: [f64; 8]) -> f64 {
+    lanes.iter().sum()
 }
 
 #[inline(always)]
