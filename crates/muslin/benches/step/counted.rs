@@ -9,8 +9,8 @@ use super::laws::StepCount;
 use super::stepper::{Stepper, instruction_sets};
 
 /// Names of what can be counted.
-pub(crate) const CASES: [&str; 5] =
-    ["linear-100", "linear-10", "measured-100", "linear-adaptive-60", "tangent-adaptive-32"];
+pub(crate) const CASES: [&str; 6] =
+    ["linear-100", "linear-10", "measured-100", "friction-100", "linear-adaptive-60", "tangent-adaptive-32"];
 
 /// Takes `count` steps of the case `name`, or those of as many frames where the step is adaptive. Says with which instructions,
 /// and how many steps of a particle that were; `None` if there is no such case.
@@ -20,6 +20,7 @@ pub(crate) fn run(name: &str, count: u64) -> Option<String> {
         "linear-100" => constant_steps(&Cloth::new(100), count),
         "linear-10" => constant_steps(&Cloth::new(10), count),
         "measured-100" => constant_steps(&Cloth { measured: true, ..Cloth::new(100) }, count),
+        "friction-100" => constant_steps(&Cloth { measured: true, friction: true, ..Cloth::new(100) }, count),
         "linear-adaptive-60" => adaptive_steps(Cloth::LINEAR, 60, count),
         "tangent-adaptive-32" => adaptive_steps(Cloth::TANGENT, 32, count),
         _ => return None,

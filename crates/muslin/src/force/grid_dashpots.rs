@@ -78,13 +78,15 @@ impl GridDashpots {
         dashpots.collect()
     }
 
-    /// Makes `chunk` the elements of `segment`, with their coefficients in place of their shares.
+    /// Makes `chunk` the elements of `segment`; their coefficients.
     #[inline(always)]
-    fn eval(&self, chunk: &mut Chunk, at: Configuration<'_>, segment: &Segment) {
+    fn eval(&self, chunk: &mut Chunk, at: Configuration<'_>, segment: &Segment) -> [f64; CHUNK] {
         chunk.eval(&self.elements, segment, at.positions, at.particles);
-        for share in &mut chunk.shares {
-            *share *= self.coefficient;
+        let mut coefficients = chunk.shares();
+        for coefficient in &mut coefficients {
+            *coefficient *= self.coefficient;
         }
+        coefficients
     }
 }
 
@@ -103,11 +105,11 @@ impl Vectorise for AddDamping<'_, '_> {
     fn run(self) {
         let Self { dashpots, at, block, forces } = self;
         let Some(rows) = dashpots.elements.grid.block_rows(block) else { return };
-        let (mut chunk, mut factors) = (Chunk::empty(), [0.0; CHUNK]);
+        let (mut chunk, mut factors) = (Chunk::EMPTY, [0.0; CHUNK]);
         for segment in dashpots.elements.touching(block) {
-            dashpots.eval(&mut chunk, at, &segment);
+            let coefficients = dashpots.eval(&mut chunk, at, &segment);
             chunk.eval_rates(at.velocities, &mut factors);
-            for (factor, coefficient) in factors.iter_mut().zip(&chunk.shares) {
+            for (factor, coefficient) in factors.iter_mut().zip(&coefficients) {
                 *factor *= -coefficient;
             }
             chunk.add_gradients(&factors, &rows, block.start, forces);
@@ -137,19 +139,19 @@ impl Force for GridDashpots {
 
     fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
-        let mut chunk = Chunk::empty();
+        let mut chunk = Chunk::EMPTY;
         for segment in self.elements.touching(block) {
-            self.eval(&mut chunk, at, &segment);
-            chunk.add_bounds(&chunk.shares, at.particles.pinned(), &rows, block.start, bounds);
+            let coefficients = self.eval(&mut chunk, at, &segment);
+            chunk.add_bounds(&coefficients, at.particles.pinned(), &rows, block.start, bounds);
         }
     }
 
     fn damping_power(&self, at: Configuration<'_>) -> f64 {
-        let (mut chunk, mut rates, mut power) = (Chunk::empty(), [0.0; CHUNK], 0.0);
+        let (mut chunk, mut rates, mut power) = (Chunk::EMPTY, [0.0; CHUNK], 0.0);
         for segment in self.elements.all() {
-            self.eval(&mut chunk, at, &segment);
+            let coefficients = self.eval(&mut chunk, at, &segment);
             chunk.eval_rates(at.velocities, &mut rates);
-            for (coefficient, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {
+            for (coefficient, rate) in coefficients.iter().zip(&rates[..chunk.len()]) {
                 power += coefficient * rate * rate;
             }
         }

@@ -12,6 +12,8 @@
 pub(super) struct Stop {
     /// Stiffness k, positive.
     pub(super) stiffness: f64,
+    /// 1/k, but for a rounding.
+    pub(super) compliance: f64,
     /// Slip p.
     pub(super) slip: f64,
     /// The force Y at which it slides here, not negative.
@@ -29,6 +31,7 @@ impl Stop {
     }
 
     /// df/dq at the coordinate q, where Y grows by `growth` = dY/dq.
+    #[inline(always)]
     pub(super) fn tangent(self, coordinate: f64, growth: f64) -> f64 {
         let force = self.stiffness * (coordinate - self.slip);
         if self.limit < force {
@@ -46,17 +49,12 @@ impl Stop {
     /// bits that it had before.
     #[inline(always)]
     pub(super) fn slipped(self, coordinate: f64) -> f64 {
-        let force = self.stiffness * (coordinate - self.slip);
-        let stretch = self.limit / self.stiffness * (1.0 + 8.0 * f64::EPSILON);
-        let forwards = coordinate - stretch;
-        let backwards = coordinate + stretch;
-        if self.limit < force {
-            forwards - forwards.abs() * f64::EPSILON
-        } else if force < -self.limit {
-            backwards + backwards.abs() * f64::EPSILON
-        } else {
-            self.slip
-        }
+        let stretch = coordinate - self.slip;
+        let slides = self.limit < (self.stiffness * stretch).abs();
+        let least = self.limit * self.compliance * (1.0 + 8.0 * f64::EPSILON);
+        let slipped = coordinate - least.copysign(stretch);
+        let slipped = slipped - (slipped.abs() * f64::EPSILON).copysign(stretch);
+        if slides { slipped } else { self.slip }
     }
 
     /// The energy lost on the way from the slip of `self` to `slip`, at the coordinate q where Y grows by `growth` = dY/dq.
@@ -72,24 +70,35 @@ impl Stop {
     #[inline(always)]
     pub(super) fn loss(self, slip: f64, growth: f64) -> f64 {
         let change = slip - self.slip;
-        let slope = 1.0 - change.signum() * growth / self.stiffness;
+        let (size, growth) = (change.abs(), if change < 0.0 { -growth } else { growth });
+        let slope = 1.0 - growth * self.compliance;
         // Where the limit grows as fast as the element can pull there is no slip but that of rounding.
-        let correction = if slope.abs() < 1e-3 { 0.0 } else { 0.5 * growth * change / slope };
+        let correction = if slope.abs() < 1e-3 { 0.0 } else { 0.5 * growth * size / slope };
         let mean = self.limit - correction;
-        change.abs() * if mean < 0.0 { 0.0 } else { mean }
+        size * if mean < 0.0 { 0.0 } else { mean }
+    }
+
+    /// The same where Y does not depend on the coordinate: Y |dp|.
+    #[inline(always)]
+    pub(super) fn constant_loss(self, slip: f64) -> f64 {
+        (slip - self.slip).abs() * self.limit
     }
 
     /// The energy that it holds at the coordinate q.
     #[inline(always)]
     pub(super) fn energy(self, coordinate: f64) -> f64 {
         let force = self.force(coordinate);
-        0.5 * force * force / self.stiffness
+        0.5 * force * force * self.compliance
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn stop(stiffness: f64, slip: f64, limit: f64) -> Stop {
+        Stop { stiffness, compliance: 1.0 / stiffness, slip, limit }
+    }
 
     fn random(state: &mut u64) -> f64 {
         *state ^= *state << 13;
@@ -108,7 +117,7 @@ mod tests {
             let (stiffness, limit, scale) = (size(), size(), size());
             let slip = scale * random(&mut seed);
             let coordinate = scale * random(&mut seed);
-            let stop = Stop { stiffness, slip, limit };
+            let stop = stop(stiffness, slip, limit);
             let after = Stop { slip: stop.slipped(coordinate), ..stop };
             assert_eq!(stop.force(coordinate).to_bits(), after.force(coordinate).to_bits(), "{stop:?}");
             assert_eq!(after.slipped(coordinate).to_bits(), after.slip.to_bits(), "{stop:?}");
@@ -122,7 +131,7 @@ mod tests {
     fn a_loop_loses_its_area() {
         let (stiffness, limit, amplitude) = (3.0, 0.5, 2.0);
         for count in [4, 7, 1000] {
-            let mut stop = Stop { stiffness, slip: 0.0, limit };
+            let mut stop = stop(stiffness, 0.0, limit);
             let mut ends = [0.0; 3];
             let mut lost = [0.0; 2];
             for (cycle, lost) in lost.iter_mut().enumerate() {
@@ -154,7 +163,7 @@ mod tests {
             for i in 0..=10 {
                 // Unloading, all that is held to begin with has to be undone first.
                 let coordinate = if sign > 0.0 { 0.1 * f64::from(i) } else { 1.0 - 0.1 * f64::from(i) };
-                let stop = Stop { stiffness, slip, limit: growth * coordinate };
+                let stop = stop(stiffness, slip, growth * coordinate);
                 if i == 0 && sign < 0.0 {
                     slip = coordinate + stop.limit / stiffness;
                     continue;
@@ -169,7 +178,7 @@ mod tests {
 
     #[test]
     fn an_element_without_limit_never_pulls() {
-        let stop = Stop { stiffness: 2.0, slip: 0.25, limit: 0.0 };
+        let stop = stop(2.0, 0.25, 0.0);
         assert_eq!(stop.force(0.5), 0.0);
         let after = Stop { slip: stop.slipped(0.5), ..stop };
         assert!((after.slip - 0.5).abs() < 1e-15);
@@ -178,7 +187,7 @@ mod tests {
 
     #[test]
     fn what_is_not_a_number_stays_so() {
-        let stop = Stop { stiffness: 2.0, slip: 0.25, limit: 1.0 };
+        let stop = stop(2.0, 0.25, 1.0);
         assert!(stop.force(f64::NAN).is_nan());
     }
 }

@@ -11,6 +11,10 @@ pub(super) use chunk::{CHUNK, Chunk};
 use super::StiffnessTensorsMut;
 use crate::model::Grid;
 
+/// Loops over elements are as long as a multiple of this, so that no vector is half empty. What they compute beyond the elements is
+/// used by nobody.
+const STRIDE: usize = 8;
+
 /// Nodes of an element at most.
 pub(super) const NODES: usize = 5;
 
@@ -79,7 +83,7 @@ pub(super) enum Line {
     Warp,
 }
 
-/// Neighbouring elements of one row, whose nodes are at the same places relative to their owners.
+/// Neighbouring elements of one row, [`CHUNK`] at most.
 ///
 /// An element is owned by its first node, in whose place it has its memory; one of a line by the particle in the middle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,63 +93,126 @@ pub(super) struct Segment {
     pub(super) column: usize,
     /// Number of elements.
     pub(super) count: usize,
-    /// Nodes of the first element; those of the others follow.
-    nodes: [Node; NODES],
-    node_count: usize,
-    /// The share of a cell's width that each element stands for.
-    pub(super) share: f64,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Node {
+/// Where the nodes of a segment are: at the same places relative to the elements' owners, but at the ends of the row.
+#[derive(Clone, Copy, Debug)]
+struct Layout {
+    /// Nodes of the first element, or where a row would have them; those of the others follow.
+    starts: [usize; NODES],
+    rows: [usize; NODES],
+    /// The gradient on each node: so many times the element's vector of this number.
+    gradients: &'static [(f64, usize)],
+    /// Whether the first and the last element lack the node number [`LEFT`] or [`RIGHT`], and are themselves in its place.
+    ends_row: [bool; 2],
+    widths: Widths,
+}
+
+/// Numbers of the nodes beside the line of a bend.
+const LEFT: usize = 3;
+const RIGHT: usize = 4;
+
+/// The shares of a cell's width that the elements of a segment stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Widths {
+    count: usize,
+    /// Of all but the first and the last.
+    inner: f64,
+    ends: [f64; 2],
+}
+
+/// Nodes of the same number in neighbouring elements of a segment.
+#[derive(Clone, Copy, Debug)]
+struct Nodes {
+    /// Those of the first of these elements.
     particle: usize,
     row: usize,
+    /// Number of the first of these elements in the segment, and how many there are.
+    first: usize,
+    count: usize,
+    /// Gradients are so many times the elements' vector of this number.
+    weight: f64,
+    vector: usize,
 }
 
-/// Elements of neighbouring owners in one row, with nodes at the same places in columns and rows.
-#[derive(Clone, Debug)]
-struct Part {
-    row: usize,
-    columns: Range<usize>,
-    nodes: [(isize, isize); NODES],
-    node_count: usize,
-    share: f64,
-}
-
-impl Part {
-    fn new(row: usize, columns: Range<usize>, places: &[(isize, isize)], share: f64) -> Self {
-        let mut nodes = [(0, 0); NODES];
-        nodes[..places.len()].copy_from_slice(places);
-        Self { row, columns, nodes, node_count: places.len(), share }
+impl Nodes {
+    /// Numbers of the elements in the segment.
+    #[inline(always)]
+    fn elements(&self) -> Range<usize> {
+        self.first..self.first + self.count
     }
 
-    /// Its segments on `grid`.
-    fn segments(self, grid: Grid) -> impl Iterator<Item = Segment> {
-        let Self { row, columns, nodes, node_count, share } = self;
-        let end = columns.end;
-        columns.step_by(CHUNK).map(move |column| {
-            let mut segment = Segment {
-                row,
-                column,
-                count: CHUNK.min(end - column),
-                node_count,
-                share,
-                ..Segment::default()
-            };
-            for (node, (across, along)) in segment.nodes[..node_count].iter_mut().zip(nodes) {
-                let row = row.wrapping_add_signed(along);
-                *node = Node { particle: grid.particle(column.wrapping_add_signed(across), row), row };
+    #[inline(always)]
+    fn particles(&self) -> Range<usize> {
+        self.particle..self.particle + self.count
+    }
+
+    /// The particles, counted from number `first`.
+    #[inline(always)]
+    fn particles_from(&self, first: usize) -> Range<usize> {
+        self.particle - first..self.particle - first + self.count
+    }
+}
+
+impl Layout {
+    /// Of no elements.
+    const EMPTY: Self = Self {
+        starts: [0; NODES],
+        rows: [0; NODES],
+        gradients: &[],
+        ends_row: [false; 2],
+        widths: Widths { count: 0, inner: 0.0, ends: [0.0; 2] },
+    };
+
+    /// All nodes, in the order of their numbers.
+    #[inline(always)]
+    fn nodes(&self) -> AllNodes<'_> {
+        AllNodes { layout: self, number: 0, is_end: false }
+    }
+
+    /// The nodes of this number of most elements, or that of the one at an end of the row, if there is one.
+    #[inline(always)]
+    fn nodes_of(&self, number: usize, is_end: bool) -> Nodes {
+        let (weight, vector) = self.gradients[number];
+        let count = self.widths.count;
+        let first = usize::from(self.ends_row[0] & (number == LEFT));
+        let last = usize::from(self.ends_row[1] & (number == RIGHT));
+        let row = self.rows[number];
+        if is_end {
+            let end = last * (count - 1);
+            Nodes { particle: self.starts[0] + end, row, first: end, count: first + last, weight, vector }
+        } else {
+            let particle = self.starts[number] + first;
+            Nodes { particle, row, first, count: count - first - last, weight, vector }
+        }
+    }
+}
+
+/// Nodes of a segment, each as many as there are.
+struct AllNodes<'a> {
+    layout: &'a Layout,
+    number: usize,
+    is_end: bool,
+}
+
+impl Iterator for AllNodes<'_> {
+    type Item = Nodes;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Nodes> {
+        while self.number < self.layout.gradients.len() {
+            let nodes = self.layout.nodes_of(self.number, self.is_end);
+            self.number += usize::from(self.is_end);
+            self.is_end = !self.is_end;
+            if 0 < nodes.count {
+                return Some(nodes);
             }
-            segment
-        })
+        }
+        None
     }
 }
 
 impl Segment {
-    fn nodes(&self) -> &[Node] {
-        &self.nodes[..self.node_count]
-    }
-
     /// Where the memory of the elements is among `layers` of whole rows whose first particle is `first`.
     pub(super) fn memory(&self, grid: &Grid, first: usize, layers: usize, layer: usize) -> Range<usize> {
         let row = layers * (grid.particle(0, self.row) - first);
@@ -154,103 +221,135 @@ impl Segment {
     }
 }
 
+/// Segments of some rows, in ascending order.
+#[derive(Clone, Debug)]
+pub(super) struct Segments {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    /// Where the next one begins in the first row.
+    column: usize,
+    /// Elements of each but the last of a row.
+    length: usize,
+}
+
+impl Iterator for Segments {
+    type Item = Segment;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Segment> {
+        if self.columns.end <= self.column {
+            self.column = self.columns.start;
+            self.rows.start += 1;
+        }
+        if self.rows.is_empty() || self.columns.is_empty() {
+            return None;
+        }
+        let (row, column) = (self.rows.start, self.column);
+        self.column += self.length;
+        Some(Segment { row, column, count: self.length.min(self.columns.end - column) })
+    }
+}
+
 impl GridElements {
-    /// The elements that have a node in `block`, in ascending order and [`CHUNK`] at a time at most.
+    /// The elements that have a node in `block`, in ascending order.
     ///
     /// Elements across the border of two blocks are among those of both. So every particle gets what its elements add in the
     /// same order, whatever the blocks.
-    pub(super) fn touching(&self, block: &Range<usize>) -> impl Iterator<Item = Segment> + '_ {
+    #[inline(always)]
+    pub(super) fn touching(&self, block: &Range<usize>) -> Segments {
         let rows = self.grid.block_rows(block).unwrap_or_default();
-        // Nodes are from one row before their owner to two after.
-        let owners = rows.start.saturating_sub(2)..(rows.end + 1).min(self.grid.rows);
-        let touches = move |segment: &Segment| segment.nodes().iter().any(|node| rows.contains(&node.row));
-        owners.flat_map(|row| self.in_row(row)).filter(touches)
+        let [up, down] = match self.coordinate {
+            Coordinate::Extension { rows, .. } => [0, rows],
+            Coordinate::Shear => [0, 1],
+            Coordinate::Bend(_) => [1, 1],
+        };
+        self.in_rows(rows.start.saturating_sub(down)..rows.end + up)
     }
 
     /// The elements that particles of `block` own, in the same way: each once over all blocks.
-    pub(super) fn owned(&self, block: &Range<usize>) -> impl Iterator<Item = Segment> + '_ {
-        self.grid.block_rows(block).unwrap_or_default().flat_map(|row| self.in_row(row))
+    #[inline(always)]
+    pub(super) fn owned(&self, block: &Range<usize>) -> Segments {
+        self.in_rows(self.grid.block_rows(block).unwrap_or_default())
     }
 
     /// All elements.
-    pub(super) fn all(&self) -> impl Iterator<Item = Segment> + '_ {
-        (0..self.grid.rows).flat_map(|row| self.in_row(row))
+    pub(super) fn all(&self) -> Segments {
+        self.in_rows(0..self.grid.rows)
     }
 
-    /// The elements that the particles of `row` own.
-    fn in_row(&self, row: usize) -> impl Iterator<Item = Segment> + '_ {
-        self.parts(row).into_iter().flatten().flat_map(|part| part.segments(self.grid))
+    /// The elements that the particles of `rows` own.
+    #[inline(always)]
+    fn in_rows(&self, rows: Range<usize>) -> Segments {
+        let [columns, owners] = self.owners();
+        let rows = rows.start.max(owners.start)..rows.end.min(owners.end);
+        // About as many in each segment of a row.
+        let length = columns.len().div_ceil(columns.len().div_ceil(CHUNK).max(1));
+        Segments { column: columns.start, columns, rows, length: length.next_multiple_of(STRIDE) }
     }
 
-    /// The parts of `row`, from left to right.
-    fn parts(&self, row: usize) -> [Option<Part>; 3] {
+    /// The columns and the rows of owners.
+    fn owners(&self) -> [Range<usize>; 2] {
         let Grid { columns, rows, .. } = self.grid;
-        let inner_row = self.share(row, rows);
-        let part = |columns, nodes: &[(isize, isize)], share| Some(Part::new(row, columns, nodes, share));
         match self.coordinate {
             Coordinate::Extension { columns: across, rows: along, .. } => {
-                let first = across.min(0).unsigned_abs();
                 let end = columns.saturating_sub(across.max(0).unsigned_abs());
-                if rows <= row + along {
-                    return [const { None }; 3];
-                }
-                let nodes = [(0, 0), (across, along as isize)];
+                [across.min(0).unsigned_abs()..end, 0..rows.saturating_sub(along)]
+            }
+            Coordinate::Shear => [0..columns.saturating_sub(1), 0..rows.saturating_sub(1)],
+            Coordinate::Bend(Line::Weft) => [1..columns.saturating_sub(1), 0..rows],
+            Coordinate::Bend(Line::Warp) => [0..columns, 1..rows.saturating_sub(1)],
+        }
+    }
+
+    /// Where the nodes of `segment` are.
+    #[inline(always)]
+    fn layout(&self, segment: &Segment) -> Layout {
+        let &Segment { row, column, count } = segment;
+        let Grid { columns, rows, .. } = self.grid;
+        let own = self.grid.particle(column, row);
+        let mut layout = Layout {
+            starts: [own; NODES],
+            rows: [row; NODES],
+            widths: Widths { count, inner: 1.0, ends: [1.0; 2] },
+            ..Layout::EMPTY
+        };
+        let at_ends = [column == 0, column + count == columns];
+        let share = |is_half: bool| if self.has_half_edges && is_half { 0.5 } else { 1.0 };
+        let row_share = share(row == 0 || row + 1 == rows);
+        match self.coordinate {
+            Coordinate::Extension { columns: across, rows: along, .. } => {
                 if along == 0 {
-                    [part(first..end, &nodes, inner_row), None, None]
-                } else if across == 0 && self.has_half_edges {
-                    self.edges_and_inner(row, |_, _| &nodes)
-                } else {
-                    [part(first..end, &nodes, 1.0), None, None]
+                    layout.widths = Widths { count, inner: row_share, ends: [row_share; 2] };
+                } else if across == 0 {
+                    layout.widths.ends = at_ends.map(share);
                 }
+                layout.gradients = &[(-1.0, 0), (1.0, 0)];
+                layout.starts[1] = (own + along * columns).wrapping_add_signed(across);
+                layout.rows[1] = row + along;
             }
             Coordinate::Shear => {
-                let nodes = [(0, 0), (1, 0), (1, 1), (0, 1)];
-                let cells =
-                    (row + 1 < rows).then(|| Part::new(row, 0..columns.saturating_sub(1), &nodes, 1.0));
-                [cells, None, None]
+                layout.gradients = &[(-1.0, 0), (1.0, 1), (1.0, 0), (-1.0, 1)];
+                layout.starts = [own, own + 1, own + columns + 1, own + columns, own];
+                layout.rows = [row, row, row + 1, row + 1, row];
             }
-            Coordinate::Bend(Line::Weft) => {
-                let [before, after] = [-isize::from(0 < row), isize::from(row + 1 < rows)];
-                let nodes = [(0, 0), (-1, 0), (1, 0), (0, before), (0, after)];
-                [part(1..columns.saturating_sub(1), &nodes, inner_row), None, None]
-            }
-            Coordinate::Bend(Line::Warp) => {
-                if row == 0 || rows <= row + 1 {
-                    return [const { None }; 3];
+            Coordinate::Bend(line) => {
+                layout.gradients = &[(-2.0, 0), (1.0, 1), (1.0, 2), (-1.0, 3), (1.0, 3)];
+                let (up, down) = (usize::from(0 < row), usize::from(row + 1 < rows));
+                // The first column of a grid has none to its left.
+                let (left, right) = (own.saturating_sub(1), own + 1);
+                let [above, below] = [own - up * columns, own + down * columns];
+                if line == Line::Weft {
+                    layout.widths = Widths { count, inner: row_share, ends: [row_share; 2] };
+                    layout.starts = [own, left, right, above, below];
+                    layout.rows = [row, row, row, row - up, row + down];
+                } else {
+                    layout.widths.ends = at_ends.map(share);
+                    layout.ends_row = at_ends;
+                    layout.starts = [own, above, below, left, right];
+                    layout.rows = [row, row - up, row + down, row, row];
                 }
-                let nodes = |left: bool, right: bool| {
-                    const NODES_OF: [[(isize, isize); NODES]; 4] = [
-                        [(0, 0), (0, -1), (0, 1), (0, 0), (0, 0)],
-                        [(0, 0), (0, -1), (0, 1), (0, 0), (1, 0)],
-                        [(0, 0), (0, -1), (0, 1), (-1, 0), (0, 0)],
-                        [(0, 0), (0, -1), (0, 1), (-1, 0), (1, 0)],
-                    ];
-                    &NODES_OF[2 * usize::from(left) + usize::from(right)][..]
-                };
-                self.edges_and_inner(row, nodes)
             }
         }
-    }
-
-    /// The first column, those inside and the last; `nodes` depend on whether there are columns to the left and right.
-    fn edges_and_inner<'a>(
-        &self,
-        row: usize,
-        nodes: impl Fn(bool, bool) -> &'a [(isize, isize)],
-    ) -> [Option<Part>; 3] {
-        let columns = self.grid.columns;
-        let last = columns - 1;
-        let first = Part::new(row, 0..1, nodes(false, 0 < last), self.share(0, columns));
-        if last == 0 {
-            return [Some(first), None, None];
-        }
-        let inner = Part::new(row, 1..last, nodes(true, true), 1.0);
-        let last = Part::new(row, last..columns, nodes(true, false), self.share(last, columns));
-        [Some(first), Some(inner), Some(last)]
-    }
-
-    /// Share of a width that line `index` of `count` stands for.
-    fn share(&self, index: usize, count: usize) -> f64 {
-        if self.has_half_edges && (index == 0 || index + 1 == count) { 0.5 } else { 1.0 }
+        layout
     }
 }

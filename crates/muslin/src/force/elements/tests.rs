@@ -45,11 +45,11 @@ fn particles(grid: &Grid, pins: &[usize]) -> Particles {
 
 /// Σ over all elements of share times weight times coordinate, with weights that tell them apart.
 fn potential(elements: &GridElements, positions: &Points, particles: &Particles) -> f64 {
-    let (mut chunk, mut sum) = (Chunk::empty(), 0.0);
+    let (mut chunk, mut sum) = (Chunk::EMPTY, 0.0);
     for segment in elements.all() {
         chunk.eval(elements, &segment, positions, particles);
-        for i in 0..chunk.len() {
-            sum += weight(&segment, i) * chunk.shares[i] * chunk.coordinates[i];
+        for (i, share) in chunk.shares()[..chunk.len()].iter().enumerate() {
+            sum += weight(&segment, i) * share * chunk.coordinates[i];
         }
     }
     sum
@@ -61,16 +61,16 @@ fn weight(segment: &Segment, i: usize) -> f64 {
 
 /// Gradient of the above, block by block.
 fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, block_size: usize) -> Points {
-    let (mut chunk, mut sums) = (Chunk::empty(), Points::zeros(positions.len()));
+    let (mut chunk, mut sums) = (Chunk::EMPTY, Points::zeros(positions.len()));
     let mut rest = sums.as_mut();
     for block in elements.grid.blocks(block_size) {
         let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
         let Some(rows) = elements.grid.block_rows(&block) else { panic!("a block of the grid") };
         for segment in elements.touching(&block) {
             chunk.eval(elements, &segment, positions, particles);
-            let mut factors = [0.0; CHUNK];
+            let (mut factors, shares) = ([0.0; CHUNK], chunk.shares());
             for (i, factor) in factors[..chunk.len()].iter_mut().enumerate() {
-                *factor = weight(&segment, i) * chunk.shares[i];
+                *factor = weight(&segment, i) * shares[i];
             }
             chunk.add_gradients(&factors, &rows, block.start, &mut own);
         }
@@ -80,7 +80,7 @@ fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, 
 }
 
 fn cases() -> impl Iterator<Item = (GridElements, Points, Particles)> {
-    let sizes = [(2, 2), (3, 2), (2, 5), (4, 4), (5, 3), (70, 3)];
+    let sizes = [(2, 2), (3, 2), (2, 5), (4, 4), (5, 3), (140, 3)];
     kinds().into_iter().flat_map(move |(coordinate, has_half_edges)| {
         sizes.into_iter().flat_map(move |(columns, rows)| {
             [false, true].map(|is_folded| {
@@ -94,7 +94,7 @@ fn cases() -> impl Iterator<Item = (GridElements, Points, Particles)> {
 }
 
 /// A difference over 2 δ is wrong by δ² q''' ~ δ² / h² of the gradient, 4e-10 for δ = 1e-6 of 5 cm, and by roundings ε / δ of a
-/// sum of up to 200 coordinates of 0.1.
+/// sum of up to 400 coordinates of 0.1.
 #[test]
 fn gradients_are_the_derivatives_of_the_coordinates() {
     for (elements, mut positions, particles) in cases() {
@@ -145,8 +145,8 @@ fn forces_have_neither_sum_nor_moment() {
         let sum: DVec3 = gradients.iter().sum();
         let moment: DVec3 = positions.iter().zip(gradients.iter()).map(|(x, g)| x.cross(g)).sum();
         assert!(sum.length() < 1e-14 * size, "{sum} of {elements:?}");
-        // Places are within 4 m.
-        assert!(moment.length() < 4e-14 * size, "{moment} of {elements:?}");
+        // Places are within 8 m.
+        assert!(moment.length() < 8e-14 * size, "{moment} of {elements:?}");
     }
 }
 
@@ -156,6 +156,21 @@ fn blocks_change_no_bit() {
     for (elements, positions, particles) in cases() {
         let whole = gradient(&elements, &positions, &particles, usize::MAX);
         assert_eq!(whole, gradient(&elements, &positions, &particles, 1), "{elements:?}");
+    }
+}
+
+/// Found with gradients or without, coordinates have the same bits.
+#[test]
+fn gradients_change_no_bit_of_a_coordinate() {
+    for (elements, positions, particles) in cases() {
+        let [mut with, mut without] = [Chunk::EMPTY, Chunk::EMPTY];
+        for segment in elements.all() {
+            with.eval(&elements, &segment, &positions, &particles);
+            without.eval_coordinates(&elements, &segment, &positions, &particles);
+            let count = with.len();
+            assert_eq!(with.coordinates[..count], without.coordinates[..count], "{elements:?}");
+            assert_eq!(with.shares(), without.shares(), "{elements:?}");
+        }
     }
 }
 
@@ -220,18 +235,18 @@ fn bounds_and_tensors_are_above_every_displacement() {
                 displacement.set(particle, DVec3::ZERO);
             }
         }
-        let (mut chunk, mut stiffness) = (Chunk::empty(), 0.0);
+        let (mut chunk, mut stiffness) = (Chunk::EMPTY, 0.0);
         let all = 0..count;
         let rows = 0..elements.grid.rows;
         for segment in elements.all() {
             chunk.eval(&elements, &segment, &positions, &particles);
-            let mut rates = [0.0; CHUNK];
+            let (mut rates, shares) = ([0.0; CHUNK], chunk.shares());
             chunk.eval_rates(&displacement, &mut rates);
-            for (share, rate) in chunk.shares.iter().zip(&rates[..chunk.len()]) {
+            for (share, rate) in shares.iter().zip(&rates[..chunk.len()]) {
                 stiffness += share * rate * rate;
             }
-            chunk.add_bounds(&chunk.shares, particles.pinned(), &rows, all.start, &mut bounds);
-            chunk.add_tensors(&chunk.shares, particles.pinned(), &rows, all.start, &mut tensors.as_mut());
+            chunk.add_bounds(&shares, particles.pinned(), &rows, all.start, &mut bounds);
+            chunk.add_tensors(&shares, particles.pinned(), &rows, all.start, &mut tensors.as_mut());
         }
         let (mut by_bounds, mut by_tensors) = (0.0, 0.0);
         for (particle, u) in displacement.iter().enumerate() {

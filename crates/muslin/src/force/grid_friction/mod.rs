@@ -1,12 +1,15 @@
 //! Internal friction of a grid.
 
+mod limit;
 mod of_measured;
+mod stops;
 
 use std::ops::Range;
 
+use limit::FrictionLimit;
+use stops::Stops;
+
 use super::elements::{CHUNK, Chunk, GridElements, Segment};
-use super::law::{LawVisitor, SpringLaw, TensionLaw};
-use super::stop::Stop;
 use super::{Configuration, Family, Force, PotentialEnergies, StiffnessTensorsMut, Sweep};
 use crate::instructions::Vectorise;
 use crate::{InstructionSet, Points, PointsMut};
@@ -25,6 +28,8 @@ pub struct GridFriction {
     elements: GridElements,
     /// Stiffness k of an element that holds, along its coordinate.
     stiffness: f64,
+    /// 1/k.
+    compliance: f64,
     limit: FrictionLimit,
     /// The layer of memory that holds the slips.
     layer: usize,
@@ -33,119 +38,39 @@ pub struct GridFriction {
     instructions: InstructionSet,
 }
 
-/// The force Y along the coordinate q at which an element slips.
-#[derive(Clone, Debug, PartialEq)]
-enum FrictionLimit {
-    /// Y = Y₀ + c |q|
-    Affine { at_rest: f64, growth: f64 },
-    /// Y = μ f(q) in tension, none in compression, with the elastic tension f [N] along the yarns.
-    Tension { law: SpringLaw, ratio: f64, rest_length: f64 },
-}
-
-impl FrictionLimit {
-    /// Overwrites `limits` with Y and `growths` with dY/dq at `coordinates`.
-    #[inline(always)]
-    fn eval(&self, coordinates: &[f64], limits: &mut [f64; CHUNK], growths: &mut [f64; CHUNK]) {
-        match self {
-            Self::Affine { at_rest, growth } => {
-                for i in 0..coordinates.len() {
-                    limits[i] = at_rest + growth * coordinates[i].abs();
-                    growths[i] = if coordinates[i] < 0.0 { -growth } else { *growth };
-                }
-            }
-            Self::Tension { law, ratio, rest_length } => law.visit(EvalTensions {
-                coordinates,
-                limits,
-                growths,
-                ratio: *ratio,
-                rest_length: *rest_length,
-            }),
-        }
-    }
-}
-
-/// Evaluates limits in proportion to a tension.
-struct EvalTensions<'a> {
-    coordinates: &'a [f64],
-    limits: &'a mut [f64; CHUNK],
-    growths: &'a mut [f64; CHUNK],
-    ratio: f64,
-    rest_length: f64,
-}
-
-impl LawVisitor for EvalTensions<'_> {
-    #[inline(always)]
-    fn visit<L: TensionLaw>(self, law: L) {
-        for i in 0..self.coordinates.len() {
-            let (tension, tangent) = law.tension_and_tangent(self.coordinates[i], self.rest_length);
-            let share = if 0.0 < self.coordinates[i] { self.ratio } else { 0.0 };
-            self.limits[i] = share * tension;
-            self.growths[i] = share * tangent;
-        }
-    }
-}
-
-/// Elements of a segment with their stops.
-struct Stops {
-    chunk: Chunk,
-    stiffnesses: [f64; CHUNK],
-    limits: [f64; CHUNK],
-    growths: [f64; CHUNK],
-}
-
-impl Stops {
-    /// Room for stops.
-    #[inline(always)]
-    fn empty() -> Self {
-        let [stiffnesses, limits, growths] = [[0.0; CHUNK]; 3];
-        Self { chunk: Chunk::empty(), stiffnesses, limits, growths }
-    }
-
-    /// Becomes those of `friction` in `segment`.
-    #[inline(always)]
-    fn eval(&mut self, friction: &GridFriction, at: Configuration<'_>, segment: &Segment) {
-        let Self { chunk, stiffnesses, limits, growths } = self;
-        chunk.eval(&friction.elements, segment, at.positions, at.particles);
-        let count = chunk.len();
-        friction.limit.eval(&chunk.coordinates[..count], limits, growths);
-        for i in 0..count {
-            stiffnesses[i] = friction.stiffness * chunk.shares[i];
-            limits[i] *= segment.share;
-            growths[i] *= segment.share;
-        }
-    }
-
-    /// One of them, with its slip.
-    #[inline(always)]
-    fn stop(&self, i: usize, slip: f64) -> Stop {
-        Stop { stiffness: self.stiffnesses[i], slip, limit: self.limits[i] }
-    }
-}
-
 impl GridFriction {
     /// Layers of memory of a whole configuration or of a block.
     fn layers(memory: &[f64], particles: usize) -> usize {
         memory.len().checked_div(particles).unwrap_or(0)
     }
 
-    /// The slips of `segment`; none if nothing is remembered.
+    /// Where the slips of `segment` begin in a whole memory, or one that begins with particle `first`.
     #[inline(always)]
-    fn slips<'a>(&self, at: Configuration<'a>, segment: &Segment) -> &'a [f64] {
-        let layers = Self::layers(at.memory, at.particles.len());
-        at.memory.get(segment.memory(&self.elements.grid, 0, layers, self.layer)).unwrap_or(&[])
+    fn slips_start(&self, segment: &Segment, first: usize, layers: usize) -> usize {
+        segment.memory(&self.elements.grid, first, layers, self.layer).start
     }
 
-    /// Calls `visit` with the stops of every element, its number among those of its segment and its coordinate.
-    fn for_each_stop(&self, at: Configuration<'_>, mut visit: impl FnMut(Stop, f64)) {
-        let mut stops = Stops::empty();
+    /// Energy [J] that all elements hold.
+    fn energy(&self, at: Configuration<'_>) -> f64 {
+        let (mut chunk, mut copy, mut energies) = (Chunk::EMPTY, [0.0; CHUNK], [0.0; CHUNK]);
+        let layers = Self::layers(at.memory, at.particles.len());
         for segment in self.elements.all() {
-            stops.eval(self, at, &segment);
-            let slips = self.slips(at, &segment);
-            for i in 0..stops.chunk.len() {
-                let slip = slips.get(i).copied().unwrap_or(0.0);
-                visit(stops.stop(i, slip), stops.chunk.coordinates[i]);
-            }
+            chunk.eval_coordinates(&self.elements, &segment, at.positions, at.particles);
+            let start = self.slips_start(&segment, 0, layers);
+            let slips = slips(at.memory, start, chunk.padded_len(), &mut copy);
+            Stops { friction: self, chunk: &chunk, slips }.add_energies(&mut energies);
         }
+        energies.iter().sum()
+    }
+
+    /// The stiffnesses of the elements of `chunk` along their coordinates.
+    #[inline(always)]
+    fn stiffnesses(&self, chunk: &Chunk) -> [f64; CHUNK] {
+        let mut stiffnesses = chunk.shares();
+        for stiffness in &mut stiffnesses {
+            *stiffness *= self.stiffness;
+        }
+        stiffnesses
     }
 
     /// Adds forces [N] on the particles of `block`, and stiffness bounds [N/m] if they are asked for.
@@ -176,21 +101,32 @@ impl Vectorise for AddFriction<'_, '_> {
     fn run(self) {
         let Self { friction, at, block, forces, mut bounds } = self;
         let Some(rows) = friction.elements.grid.block_rows(block) else { return };
-        let (mut stops, mut slips, mut factors) = (Stops::empty(), [0.0; CHUNK], [0.0; CHUNK]);
+        let (mut chunk, mut copy, mut factors) = (Chunk::EMPTY, [0.0; CHUNK], [0.0; CHUNK]);
+        let layers = GridFriction::layers(at.memory, at.particles.len());
         for segment in friction.elements.touching(block) {
-            stops.eval(friction, at, &segment);
-            let known = friction.slips(at, &segment);
-            slips[..known.len()].copy_from_slice(known);
-            for i in 0..stops.chunk.len() {
-                factors[i] = -stops.stop(i, slips[i]).force(stops.chunk.coordinates[i]);
-            }
-            stops.chunk.add_gradients(&factors, &rows, block.start, forces);
+            chunk.eval(&friction.elements, &segment, at.positions, at.particles);
+            let start = friction.slips_start(&segment, 0, layers);
+            let slips = slips(at.memory, start, chunk.padded_len(), &mut copy);
+            Stops { friction, chunk: &chunk, slips }.eval_factors(&mut factors);
+            chunk.add_gradients(&factors, &rows, block.start, forces);
             if let Some(bounds) = bounds.as_deref_mut() {
                 let pinned = at.particles.pinned();
-                stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
+                chunk.add_bounds(&friction.stiffnesses(&chunk), pinned, &rows, block.start, bounds);
             }
         }
     }
+}
+
+/// `count` slips from `start` on in `memory`, or in a `copy` with zeros where it has none: loops run past the end.
+#[inline(always)]
+fn slips<'a>(memory: &'a [f64], start: usize, count: usize, copy: &'a mut [f64; CHUNK]) -> &'a [f64] {
+    if let Some(slips) = memory.get(start..start + count) {
+        return slips;
+    }
+    let there = memory.get(start..).unwrap_or(&[]);
+    copy.fill(0.0);
+    copy[..there.len()].copy_from_slice(there);
+    &copy[..count]
 }
 
 impl Force for GridFriction {
@@ -217,11 +153,11 @@ impl Force for GridFriction {
 
     fn add_stiffness_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
-        let mut stops = Stops::empty();
+        let mut chunk = Chunk::EMPTY;
         for segment in self.elements.touching(block) {
-            stops.eval(self, at, &segment);
+            chunk.eval(&self.elements, &segment, at.positions, at.particles);
             let pinned = at.particles.pinned();
-            stops.chunk.add_bounds(&stops.stiffnesses, pinned, &rows, block.start, bounds);
+            chunk.add_bounds(&self.stiffnesses(&chunk), pinned, &rows, block.start, bounds);
         }
     }
 
@@ -233,11 +169,11 @@ impl Force for GridFriction {
         _sweep: &mut Sweep,
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
-        let mut stops = Stops::empty();
+        let mut chunk = Chunk::EMPTY;
         for segment in self.elements.touching(block) {
-            stops.eval(self, at, &segment);
+            chunk.eval(&self.elements, &segment, at.positions, at.particles);
             let pinned = at.particles.pinned();
-            stops.chunk.add_tensors(&stops.stiffnesses, pinned, &rows, block.start, tensors);
+            chunk.add_tensors(&self.stiffnesses(&chunk), pinned, &rows, block.start, tensors);
         }
     }
 
@@ -249,16 +185,15 @@ impl Force for GridFriction {
         products: &mut PointsMut<'_>,
     ) {
         let Some(rows) = self.elements.grid.block_rows(block) else { return };
-        let (mut stops, mut factors) = (Stops::empty(), [0.0; CHUNK]);
+        let (mut chunk, mut copy, mut factors) = (Chunk::EMPTY, [0.0; CHUNK], [0.0; CHUNK]);
+        let layers = Self::layers(at.memory, at.particles.len());
         for segment in self.elements.touching(block) {
-            stops.eval(self, at, &segment);
-            stops.chunk.eval_rates(displacements, &mut factors);
-            let slips = self.slips(at, &segment);
-            for (i, factor) in factors.iter_mut().enumerate().take(stops.chunk.len()) {
-                let stop = stops.stop(i, slips.get(i).copied().unwrap_or(0.0));
-                *factor *= stop.tangent(stops.chunk.coordinates[i], stops.growths[i]);
-            }
-            stops.chunk.add_gradients(&factors, &rows, block.start, products);
+            chunk.eval(&self.elements, &segment, at.positions, at.particles);
+            chunk.eval_rates(displacements, &mut factors);
+            let start = self.slips_start(&segment, 0, layers);
+            let slips = slips(at.memory, start, chunk.padded_len(), &mut copy);
+            Stops { friction: self, chunk: &chunk, slips }.multiply_by_tangents(&mut factors);
+            chunk.add_gradients(&factors, &rows, block.start, products);
         }
     }
 
@@ -271,9 +206,7 @@ impl Force for GridFriction {
     }
 
     fn add_energies(&self, at: Configuration<'_>, energies: &mut PotentialEnergies) {
-        let mut energy = 0.0;
-        self.for_each_stop(at, |stop, coordinate| energy += stop.energy(coordinate));
-        energies.elastic[self.family as usize] += energy;
+        energies.elastic[self.family as usize] += self.energy(at);
     }
 }
 
@@ -292,18 +225,15 @@ impl Vectorise for AdvanceMemory<'_> {
     fn run(self) -> f64 {
         let Self { friction, at, block, memory } = self;
         let layers = GridFriction::layers(memory, block.len());
-        let grid = &friction.elements.grid;
-        let (mut stops, mut lost) = (Stops::empty(), 0.0);
+        let (mut chunk, mut copy) = (Chunk::EMPTY, [0.0; CHUNK]);
+        let (mut slipped, mut losses) = ([0.0; CHUNK], [0.0; CHUNK]);
         for segment in friction.elements.owned(block) {
-            stops.eval(friction, at, &segment);
-            let slips = &mut memory[segment.memory(grid, block.start, layers, friction.layer)];
-            for (i, slip) in slips.iter_mut().enumerate() {
-                let stop = stops.stop(i, *slip);
-                let slipped = stop.slipped(stops.chunk.coordinates[i]);
-                lost += if slipped == *slip { 0.0 } else { stop.loss(slipped, stops.growths[i]) };
-                *slip = slipped;
-            }
+            chunk.eval_coordinates(&friction.elements, &segment, at.positions, at.particles);
+            let start = friction.slips_start(&segment, block.start, layers);
+            let slips = slips(memory, start, chunk.padded_len(), &mut copy);
+            Stops { friction, chunk: &chunk, slips }.slip(&mut slipped, &mut losses);
+            memory[start..start + chunk.len()].copy_from_slice(&slipped[..chunk.len()]);
         }
-        lost
+        losses.iter().sum()
     }
 }

@@ -1,6 +1,7 @@
 //! What the internal friction of a measured fabric becomes on a grid.
 
-use super::{FrictionLimit, GridFriction};
+use super::GridFriction;
+use super::limit::FrictionLimit;
 use crate::InstructionSet;
 use crate::force::Family;
 use crate::force::elements::{Coordinate, GridElements, Line};
@@ -28,7 +29,8 @@ impl GridFriction {
         let mut push = |coordinate, stiffness, limit, family| {
             let elements = GridElements { grid, coordinate, has_half_edges: coordinate != Coordinate::Shear };
             let layer = all.len();
-            all.push(Self { elements, stiffness, limit, layer, family, instructions });
+            let compliance = 1.0 / stiffness;
+            all.push(Self { elements, stiffness, compliance, limit, layer, family, instructions });
         };
         if let Some(shear) = friction.shear {
             let area = hx * hy;

@@ -20,6 +20,7 @@ impl TensionLaw for LinearLaw {
         self.stiffness * extension
     }
 
+    #[inline(always)]
     fn tangent(&self, _extension: f64, _rest_length: f64) -> f64 {
         self.stiffness
     }
