@@ -62,7 +62,8 @@ for (const [placeholder, count] of Object.entries(PLACEHOLDERS)) {
   const found = page.split(placeholder).length - 1;
   if (found !== count) throw new Error(`${placeholder} occurs ${found} times in the template`);
 }
-await writeFile(TEMPLATE, page);
+// A file that is written is compiled again, with all of the library.
+if (page !== (await readFile(TEMPLATE, "utf8").catch(() => null))) await writeFile(TEMPLATE, page);
 
 const list = texts.map(({ name, version, text }) => `## ${name} ${version}\n\n\`\`\`text\n${text}\n\`\`\`\n`);
 await writeFile(LICENSES, `# Libraries in the page\n\nWritten by the build; the page itself carries the same texts.\n\n${list.join("\n")}`);
