@@ -1,4 +1,4 @@
-//! Some elements, number by number, so that loops over them vectorise.
+//! Some elements, number b_y number, so that loops over them vectorise.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub(in crate::force) struct Chunk {
     pub(in crate::force) clamps: [f64; CHUNK],
     /// Whether any of these is one.
     has_clamps: bool,
-    /// Coordinate by coordinate of space: first what leads from one particle to another, then what gradients are made of.
+    /// Coordinate b_y coordinate of space: first what leads from one particle to another, then what gradients are made of.
     vectors: [[[f64; CHUNK]; 3]; VECTORS],
 }
 
@@ -107,11 +107,11 @@ impl Chunk {
     /// Length of the loops over elements, a multiple of [`STRIDE`] and at most [`CHUNK`].
     #[inline(always)]
     pub(in crate::force) fn padded_len(&self) -> usize {
-        // In words that the compiler sees this by.
+        // In words that the compiler sees this b_y.
         ((self.len() + STRIDE - 1) & !(STRIDE - 1)).min(CHUNK)
     }
 
-    /// What constants per curvature or strain have to be multiplied by.
+    /// What constants per curvature or strain have to be multiplied b_y.
     #[inline(always)]
     pub(in crate::force) fn shares(&self) -> [f64; CHUNK] {
         let mut shares = self.widths;
@@ -216,15 +216,15 @@ impl Chunk {
     fn eval_shear<const GRADIENTS: bool>(&mut self, grid: &Grid) {
         let count = self.padded_len();
         let factor = 0.5 / (grid.column_spacing * grid.row_spacing);
-        let [[ax, ay, az], [bx, by, bz], ..] = &mut self.vectors;
+        let [[a_x, a_y, a_z], [b_x, b_y, b_z], ..] = &mut self.vectors;
         for i in 0..count {
-            let (first, second) = (DVec3::new(ax[i], ay[i], az[i]), DVec3::new(bx[i], by[i], bz[i]));
+            let (first, second) = (DVec3::new(a_x[i], a_y[i], a_z[i]), DVec3::new(b_x[i], b_y[i], b_z[i]));
             // ℓ₁² − ℓ₂² without the cancellation of squares.
             self.coordinates[i] = 0.5 * factor * (first - second).dot(first + second);
             if GRADIENTS {
                 let (first, second) = (first * factor, second * factor);
-                (ax[i], ay[i], az[i]) = (first.x, first.y, first.z);
-                (bx[i], by[i], bz[i]) = (second.x, second.y, second.z);
+                (a_x[i], a_y[i], a_z[i]) = (first.x, first.y, first.z);
+                (b_x[i], b_y[i], b_z[i]) = (second.x, second.y, second.z);
             }
         }
     }
@@ -241,30 +241,30 @@ impl Chunk {
         let count = self.padded_len();
         let cell = grid.column_spacing * grid.row_spacing;
         let (squared_cell, inverse_cell) = (cell * cell, 1.0 / cell);
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = &mut self.vectors;
+        let [[a_x, a_y, a_z], [b_x, b_y, b_z], [c_x, c_y, c_z], [d_x, d_y, d_z]] = &mut self.vectors;
         // Apart from what follows, or too few of these elements would be under way at a time.
         for i in 0..count {
-            let along = DVec3::new(bx[i], by[i], bz[i]);
-            let across = DVec3::new(cx[i], cy[i], cz[i]);
+            let along = DVec3::new(b_x[i], b_y[i], b_z[i]);
+            let across = DVec3::new(c_x[i], c_y[i], c_z[i]);
             let area = along.cross(across);
             let squared = area.length_squared();
             let is_open = squared_cell <= squared;
-            // One by |S|, or by the root of A² + |S|².
+            // One b_y |S|, or b_y the root of A² + |S|².
             let root = SpringLength::from_squared(if is_open { squared } else { squared_cell + squared });
             let folded = 2.0 * cell * (root.inverse * root.inverse);
-            (dx[i], dy[i], dz[i]) = (area.x, area.y, area.z);
+            (d_x[i], d_y[i], d_z[i]) = (area.x, area.y, area.z);
             self.coordinates[i] = if is_open { root.inverse } else { folded };
         }
         for i in 0..count {
-            let difference = DVec3::new(ax[i], ay[i], az[i]);
-            let area = DVec3::new(dx[i], dy[i], dz[i]);
+            let difference = DVec3::new(a_x[i], a_y[i], a_z[i]);
+            let area = DVec3::new(d_x[i], d_y[i], d_z[i]);
             let inverse = self.coordinates[i];
             let normal = area * inverse;
             let coordinate = normal.dot(difference);
             self.coordinates[i] = coordinate;
             if GRADIENTS {
-                let along = DVec3::new(bx[i], by[i], bz[i]);
-                let across = DVec3::new(cx[i], cy[i], cz[i]);
+                let along = DVec3::new(b_x[i], b_y[i], b_z[i]);
+                let across = DVec3::new(c_x[i], c_y[i], c_z[i]);
                 // 1 / N is 1 / A at most where |S| is A at most.
                 let is_open = inverse <= inverse_cell;
                 let direction = area * if is_open { inverse } else { inverse_cell };
@@ -272,10 +272,10 @@ impl Chunk {
                 let of_along = across.cross(rest);
                 let of_across = rest.cross(along);
                 let (before, after) = (normal - of_along, normal + of_along);
-                (ax[i], ay[i], az[i]) = (normal.x, normal.y, normal.z);
-                (bx[i], by[i], bz[i]) = (before.x, before.y, before.z);
-                (cx[i], cy[i], cz[i]) = (after.x, after.y, after.z);
-                (dx[i], dy[i], dz[i]) = (of_across.x, of_across.y, of_across.z);
+                (a_x[i], a_y[i], a_z[i]) = (normal.x, normal.y, normal.z);
+                (b_x[i], b_y[i], b_z[i]) = (before.x, before.y, before.z);
+                (c_x[i], c_y[i], c_z[i]) = (after.x, after.y, after.z);
+                (d_x[i], d_y[i], d_z[i]) = (of_across.x, of_across.y, of_across.z);
             }
         }
     }
@@ -364,7 +364,7 @@ impl Chunk {
         }
     }
 
-    /// Adds tensors that bound the same matrix, by the particles' own displacements: with the sum S of the above,
+    /// Adds tensors that bound the same matrix, b_y the particles' own displacements: with the sum S of the above,
     ///
     /// ```text
     /// c (Σ g_j · u_j)² ≤ c Σ (S / |g_j|) (g_j · u_j)²
