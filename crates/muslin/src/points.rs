@@ -232,7 +232,8 @@ pub(crate) fn dots_in_lanes([x, y, z]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f
     sum(along_x) + sum(along_y) + sum(along_z)
 }
 
-/// Not inlined: seeing how lanes end, the compiler would shuffle them all along for the sake of these few additions.
+/// Called once at the end of a loop, and not inlined: seeing how lanes end, the compiler would shuffle them in every turn for the sake
+/// of these few additions.
 #[inline(never)]
 fn sum(lanes: [f64; 8]) -> f64 {
     lanes.iter().sum()

@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{ClothNumbers, SceneNumbers, WindNumbers, finish, model_and_state};
+use common::{AirNumbers, ClothNumbers, SceneNumbers, WindNumbers, finish, model_and_state};
 use muslin::force::{Configuration, StrainSums, Sweep};
 use muslin::integrate::StepError;
-use muslin::integrate::{CentralDifference, Integrator, Workers};
+use muslin::integrate::{CentralDifference, Integrator, StepTo, Workers};
 use muslin::observe::{EnergyLedger, Observer, Recorder};
 use muslin::{Points, Simulation, SimulationError, State};
 
@@ -21,6 +21,40 @@ fn small(mass: f64, drag: f64) -> SceneNumbers {
             ..ClothNumbers::default()
         }],
         ..SceneNumbers::default()
+    }
+}
+
+/// What a method says of a state does not depend on how it came there, nor on what it looked at before.
+#[test]
+fn a_method_answers_for_the_state_that_it_came_to() {
+    let airs = vec![AirNumbers::steady([3.0, 0.0, 1.0], [1.0, 0.1])];
+    for numbers in [small(0.002, 0.1), SceneNumbers { airs, ..small(0.002, 0.1) }] {
+        let (model, mut state) = model_and_state(&numbers);
+        let mut method = CentralDifference::new(Workers::single());
+        for count in 1..=12 {
+            let before = state.clone();
+            let (step, time) = (1e-3, f64::from(count) * 1e-3);
+            if count % 3 == 0 {
+                let to = StepTo { step, time, is_measured: false };
+                method.step_to(&model, &mut state, None, to).unwrap();
+            } else {
+                method.move_by(&model, &mut state, step, time).unwrap();
+            }
+            let new = || CentralDifference::new(Workers::single());
+            assert_eq!(
+                method.eval_error(&model, &before, &state),
+                new().eval_error(&model, &before, &state),
+                "step {count}"
+            );
+            if count % 4 == 0 {
+                method.move_by(&model, &mut state, step, time + 1e-4).unwrap();
+            }
+            assert_eq!(method.eval_stable_step(&model, &state), new().eval_stable_step(&model, &state));
+            let mut found = [Points::default(), Points::default()];
+            method.velocities(&model, &state, &mut found[0]);
+            new().velocities(&model, &state, &mut found[1]);
+            assert_eq!(found[0], found[1], "step {count}");
+        }
     }
 }
 

@@ -378,8 +378,8 @@ fn varying_bounds_add_up_the_springs_one_by_one() {
     assert!(vary > 0, "no bound varies");
 }
 
-/// Pins that move and limits come between motion and forces, forces may be known before a step, and threads share it: none of it
-/// changes a bit. Nor does it whether the state before is kept.
+/// Pins that move and limits come between motion and forces, forces and velocities may be asked for between steps, and threads share
+/// them: none of it changes a bit. Nor does it whether the state before is kept.
 #[test]
 fn one_pass_gives_the_bits_of_two() {
     let mut moving = SceneNumbers::default();
@@ -390,22 +390,30 @@ fn one_pass_gives_the_bits_of_two() {
     limited.cloths[0].height_axis = [0.0, -1.0, 0.0];
     let mut still = scene(0, (30, 40));
     still.cloths[0].pins = (0..1200).map(|particle| (particle % 30, particle / 30)).collect();
-    let others = [scene(1, (40, 30)), scene(3, (140, 20)), moving, limited, still];
+    let mut rubbing = scene(3, (140, 20));
+    rubbing.cloths[0].has_friction = true;
+    let others = [scene(1, (40, 30)), scene(3, (140, 20)), moving, limited, still, rubbing];
     for numbers in [SceneNumbers::default()].into_iter().chain(others) {
         let scene = numbers.scene();
         let model = Model::new(&scene);
-        let start = model.initial_state(&scene);
+        let mut start = model.initial_state(&scene);
+        if model.memory_layers() > 0 {
+            // So far that it slips.
+            start.positions = bent(&model, &scene);
+        }
         let step = 0.2 * block_stable_step(&model, &start).min(1e-3);
         let cases =
-            [(1, false, true), (1, false, false), (1, true, false), (2, false, false), (3, true, true)];
-        let ends = cases.map(|(threads, is_kept, are_forces_known)| {
+            [(1, false, 1), (1, false, 100), (1, true, 7), (2, false, 100), (2, false, 3), (3, true, 1)];
+        let ends = cases.map(|(threads, is_kept, asked_every)| {
             let mut state = start.clone();
             let mut before = State::at_rest(Points::default());
             let mut method = CentralDifference::new(common::workers(threads));
-            let mut motions = Vec::new();
+            let (mut motions, mut velocities) = (Vec::new(), Points::default());
             for count in 1..=20 {
-                if are_forces_known {
-                    method.eval_forces(&model, &state);
+                match count % (2 * asked_every) {
+                    0 => method.eval_forces(&model, &state),
+                    asked if asked == asked_every => method.velocities(&model, &state, &mut velocities),
+                    _ => (),
                 }
                 let to = StepTo { step, time: f64::from(count) * step, is_measured: count % 3 == 0 };
                 let was = state.clone();
@@ -414,10 +422,57 @@ fn one_pass_gives_the_bits_of_two() {
                 assert!(to.is_measured || motion == Motion::default(), "what is not measured is zero");
                 motions.push(motion);
                 assert!(!is_kept || before == was, "step {count}");
+                method.accept(&model, &mut state);
             }
             assert!(model.limits().is_empty() || state.limit_work != LimitWork::default());
-            (StateHash::new(&state.positions, &state.velocities), state.limit_work, motions)
+            assert_eq!(model.memory_layers() == 0, state.memory.iter().all(|slip| *slip == 0.0));
+            let hash = StateHash::new(&state.positions, &state.velocities);
+            (hash, state.limit_work, state.memory, state.friction_loss, motions)
         });
         assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
+    }
+}
+
+/// Friction, with clamps in the middle of rows that are worked on in two parts of different lengths, beside other cloth.
+#[test]
+fn friction_has_the_same_bits_by_any_blocks() {
+    let clamped =
+        |columns: Range<usize>| (0..2).flat_map(move |row| columns.clone().map(move |column| (column, row)));
+    for (size, pins) in
+        [((140, 9), 66..72), ((300, 6), 90..110), ((9, 5), 0..9), ((2, 40), 0..2), ((3, 3), 0..1)]
+    {
+        let mut numbers = scene(3, size);
+        for (cloth, pins) in numbers.cloths.iter_mut().zip([None, Some(pins)]) {
+            cloth.has_friction = true;
+            cloth.pins = pins.map_or_else(|| cloth.pins.clone(), |pins| clamped(pins).collect());
+        }
+        let scene = numbers.scene();
+        let model = Model::new(&scene);
+        let mut state = model.initial_state(&scene);
+        state.positions = bent(&model, &scene);
+        CentralDifference::new(Workers::single()).accept(&model, &mut state);
+        assert!(state.friction_loss > 0.0);
+        let positions =
+            state.positions.iter().map(|x| x * 1.01 + 0.003 * DVec3::Y * libm::sin(40.0 * x.x)).collect();
+        let at = |model: &Model, blocks: &[Range<usize>]| {
+            let mut forces = Points::zeros(state.positions.len());
+            let mut sweep = Sweep::default();
+            for block in blocks {
+                for force in model.forces() {
+                    let at = Configuration { memory: &state.memory, ..at(model, &positions) };
+                    force.add_forces(at, block, &mut forces.slice_mut(block), &mut sweep);
+                }
+            }
+            forces
+        };
+        let whole = at(&model, model.blocks());
+        let mut rows = rows(&model);
+        assert_eq!(at(&model, &rows), whole, "{size:?}");
+        rows.reverse();
+        assert_eq!(at(&model, &rows), whole, "{size:?} backwards");
+        for instructions in InstructionSet::available() {
+            let other = Model::with_instructions(&scene, instructions);
+            assert_eq!(at(&other, other.blocks()), whole, "{size:?} with {}", instructions.name());
+        }
     }
 }

@@ -95,9 +95,10 @@ impl GridSprings {
     /// The same with a rigidity against `bending` of the same grid.
     ///
     /// # Panics
-    /// If there are bend springs.
+    /// If it is of another grid, or there are bend springs.
     #[must_use]
     pub fn with_bending(self, bending: GridBending) -> Self {
+        assert_eq!(*bending.grid(), self.grid, "a rigidity of another grid");
         assert!(!self.has_bend_springs(), "a grid bends by springs or has a rigidity");
         Self { bending: Some(bending), ..self }
     }

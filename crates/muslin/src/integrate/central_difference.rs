@@ -216,14 +216,51 @@ impl CentralDifference {
         let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
         let Self { workers, bands, pass, spare, .. } = self;
         let is_shared = 1 < workers.count() && 1 < model.blocks().len();
-        let moved = match before.or(is_shared.then_some(spare)) {
+        let moved = match before {
             Some(from) => {
                 state.leave_in(from);
                 pass.step_from((model, workers), state, from, motion, bands)
             }
+            None if is_shared => {
+                // What forces remember stays as it is, and need not be copied.
+                let memory = std::mem::take(&mut state.memory);
+                state.leave_in(spare);
+                spare.memory = memory;
+                let moved = pass.step_from((model, workers), state, spare, motion, bands);
+                state.memory = std::mem::take(&mut spare.memory);
+                moved
+            }
             None => pass.step_in_place(model, state, motion, &mut bands[0]),
         };
         arrive(model, state, to);
+        measured(model, state, moved)
+    }
+
+    /// Moves `state` and evaluates the forces where it arrives.
+    fn move_and_eval(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        before: Option<&mut State>,
+        to: StepTo,
+    ) -> Result<Motion, StepError> {
+        self.need_forces(model, state);
+        if !self.can_go_on_to_forces(model) {
+            let motion = self.move_all(model, state, before, to);
+            self.eval_forces(model, state);
+            return motion;
+        }
+        let from = left_behind(state, before);
+        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
+        arrive(model, state, to);
+        let Self { bands, pass, forces, .. } = self;
+        let eval = |at: Configuration<'_>, block: &Range<usize>, forces: PointsMut<'_>, sweep: &mut Sweep| {
+            eval_block(model, at, block, forces, sweep);
+        };
+        let moved = pass.move_and_eval(model, (state, from), motion, forces, &mut bands[0], eval);
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, configuration(model, state), state.last_step);
+        }
         measured(model, state, moved)
     }
 
@@ -307,7 +344,12 @@ impl Integrator for CentralDifference {
 
     fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64 {
         let stiffness = self.block_bound.eval(&self.workers, model, state, &self.stiffness_bounds);
-        let damping = if model.depends_on_velocity() { self.largest_damping_rate(model, state) } else { 0.0 };
+        let mut damping = 0.0;
+        if model.depends_on_velocity() {
+            // Velocities come with them.
+            self.need_forces(model, state);
+            damping = self.largest_damping_rate(model, state);
+        }
         stable_step(stiffness, damping)
     }
 
@@ -319,10 +361,7 @@ impl Integrator for CentralDifference {
         to: StepTo,
     ) -> Result<Motion, StepError> {
         if !self.can_find_forces(model) {
-            self.need_forces(model, state);
-            let motion = self.move_all(model, state, before, to);
-            self.eval_forces(model, state);
-            return motion;
+            return self.move_and_eval(model, state, before, to);
         }
         if self.has_forces {
             return self.move_all(model, state, before, to);
@@ -376,7 +415,8 @@ impl Integrator for CentralDifference {
     }
 
     fn eval_error(&mut self, model: &Model, before: &State, after: &State) -> f64 {
-        if self.earlier_forces.as_ref().is_none_or(|forces| forces.len() != before.positions.len()) {
+        let are_known = |earlier: &Points| self.has_forces && earlier.len() == before.positions.len();
+        if !self.earlier_forces.as_ref().is_some_and(are_known) {
             self.eval_forces(model, before);
             self.earlier_forces = Some(Points::default());
             self.eval_forces(model, after);

@@ -58,7 +58,9 @@ pub trait Integrator: Send {
         constant_stiffness: f64,
     ) -> StableStep;
 
-    /// The [`block_stable_step`] [s] at `state`, from which later estimates start.
+    /// The [`block_stable_step`] [s] at `state`, from which later estimates start. Where the model has bounds that vary, those at
+    /// `state` must be known from [`eval_forces_and_stable_step`](Self::eval_forces_and_stable_step) or
+    /// [`step_to_and_bound`](Self::step_to_and_bound).
     fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64;
 
     /// Moves `state` under the forces by `step` [s], which must be positive, to `time` [s], which is its time plus the step

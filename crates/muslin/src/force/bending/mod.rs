@@ -147,6 +147,11 @@ impl GridBending {
         }
     }
 
+    /// The grid that it is of.
+    pub(super) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// b_x, b_y and d [N/m].
     pub(super) fn coefficients(&self) -> [f64; 3] {
         [self.along_columns, self.along_rows, self.twist]

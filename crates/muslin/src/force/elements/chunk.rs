@@ -1,4 +1,4 @@
-//! Some elements, number b_y number, so that loops over them vectorise.
+//! Some elements, number by number, so that loops over them vectorise.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub(in crate::force) struct Chunk {
     pub(in crate::force) clamps: [f64; CHUNK],
     /// Whether any of these is one.
     has_clamps: bool,
-    /// Coordinate b_y coordinate of space: first what leads from one particle to another, then what gradients are made of.
+    /// Coordinate by coordinate of space: first what leads from one particle to another, then what gradients are made of.
     vectors: [[[f64; CHUNK]; 3]; VECTORS],
 }
 
@@ -107,11 +107,11 @@ impl Chunk {
     /// Length of the loops over elements, a multiple of [`STRIDE`] and at most [`CHUNK`].
     #[inline(always)]
     pub(in crate::force) fn padded_len(&self) -> usize {
-        // In words that the compiler sees this b_y.
+        // In words that the compiler sees this by.
         ((self.len() + STRIDE - 1) & !(STRIDE - 1)).min(CHUNK)
     }
 
-    /// What constants per curvature or strain have to be multiplied b_y.
+    /// What constants per curvature or strain have to be multiplied by.
     #[inline(always)]
     pub(in crate::force) fn shares(&self) -> [f64; CHUNK] {
         let mut shares = self.widths;
@@ -144,6 +144,8 @@ impl Chunk {
             has_clamps |= own[i] & (before[i] != after[i]);
         }
         if has_clamps | self.has_clamps {
+            // A segment that was longer may have left some.
+            self.clamps[count..].fill(0.0);
             for i in 0..count {
                 self.clamps[i] = if own[i] & (before[i] != after[i]) { 1.0 } else { 0.0 };
             }
@@ -249,7 +251,7 @@ impl Chunk {
             let area = along.cross(across);
             let squared = area.length_squared();
             let is_open = squared_cell <= squared;
-            // One b_y |S|, or b_y the root of A² + |S|².
+            // One by |S|, or by the root of A² + |S|².
             let root = SpringLength::from_squared(if is_open { squared } else { squared_cell + squared });
             let folded = 2.0 * cell * (root.inverse * root.inverse);
             (d_x[i], d_y[i], d_z[i]) = (area.x, area.y, area.z);
@@ -364,7 +366,7 @@ impl Chunk {
         }
     }
 
-    /// Adds tensors that bound the same matrix, b_y the particles' own displacements: with the sum S of the above,
+    /// Adds tensors that bound the same matrix, by the particles' own displacements: with the sum S of the above,
     ///
     /// ```text
     /// c (Σ g_j · u_j)² ≤ c Σ (S / |g_j|) (g_j · u_j)²

@@ -11,8 +11,8 @@ pub(super) use chunk::{CHUNK, Chunk};
 use super::StiffnessTensorsMut;
 use crate::model::Grid;
 
-/// Loops over elements are as long as a multiple of this, so that no vector is half empty. What they compute beyond the elements is
-/// used by nobody.
+/// Loops over elements are as long as a multiple of this, so that no vector is half empty. What they compute beyond the elements, of
+/// other particles or of zeros behind the last, is used by nobody, or counts nothing: [widths](Chunk::widths) are zero there.
 const STRIDE: usize = 8;
 
 /// Nodes of an element at most.
@@ -257,7 +257,7 @@ impl GridElements {
     /// same order, whatever the blocks.
     #[inline(always)]
     pub(super) fn touching(&self, block: &Range<usize>) -> Segments {
-        let rows = self.grid.block_rows(block).unwrap_or_default();
+        let Some(rows) = self.grid.block_rows(block) else { return self.in_rows(0..0) };
         let [up, down] = match self.coordinate {
             Coordinate::Extension { rows, .. } => [0, rows],
             Coordinate::Shear => [0, 1],

@@ -61,9 +61,10 @@ fn weight(segment: &Segment, i: usize) -> f64 {
 
 /// Gradient of the above, block by block.
 fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, block_size: usize) -> Points {
-    let (mut chunk, mut sums) = (Chunk::EMPTY, Points::zeros(positions.len()));
+    let mut sums = Points::zeros(positions.len());
     let mut rest = sums.as_mut();
     for block in elements.grid.blocks(block_size) {
+        let mut chunk = Chunk::EMPTY;
         let (mut own, others): (PointsMut<'_>, _) = rest.split_at(block.len());
         let Some(rows) = elements.grid.block_rows(&block) else { panic!("a block of the grid") };
         for segment in elements.touching(&block) {
@@ -265,4 +266,30 @@ fn bounds_and_tensors_are_above_every_displacement() {
 
 fn weight_of(particle: usize, k: f64) -> f64 {
     libm::sin(k * (particle * particle + 1) as f64)
+}
+
+/// A row of two segments of different lengths, with a clamp in what is longer of the first: none of it is found in later ones.
+#[test]
+fn clamps_stay_in_their_segment() {
+    for line in [Line::Weft, Line::Warp] {
+        let grid = grid(140, 6);
+        let positions = shaped(&grid, false);
+        let pins: Vec<usize> =
+            (0..2).flat_map(|row| (66..72).map(move |column| grid.particle(column, row))).collect();
+        let particles = particles(&grid, &pins);
+        let elements = GridElements { grid, coordinate: Coordinate::Bend(line), has_half_edges: true };
+        let (mut chunk, mut clamped) = (Chunk::EMPTY, 0);
+        for segment in elements.all() {
+            let mut fresh = Chunk::EMPTY;
+            fresh.eval(&elements, &segment, &positions, &particles);
+            chunk.eval(&elements, &segment, &positions, &particles);
+            let count = fresh.len();
+            assert_eq!(chunk.shares()[..count], fresh.shares()[..count], "{line:?}, {segment:?}");
+            clamped += fresh.clamps[..count].iter().filter(|clamp| **clamp == 1.0).count();
+        }
+        // Both ends of both rows of pins, or all of the second row.
+        assert_eq!(clamped, if line == Line::Weft { 4 } else { 6 });
+        let whole = gradient(&elements, &positions, &particles, usize::MAX);
+        assert_eq!(gradient(&elements, &positions, &particles, 1), whole, "{line:?}");
+    }
 }
