@@ -5,8 +5,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::{Configuration, Force, Gust, Sweep};
+use crate::instructions::Vectorise;
 use crate::model::Grid;
-use crate::{Points, PointsMut};
+use crate::{InstructionSet, Points, PointsMut};
 
 /// Cells of a grid whose forces are at hand at a time, in a core's first-level cache.
 const CHUNK: usize = 128;
@@ -44,6 +45,8 @@ pub struct AerodynamicWind {
     pub gusts: Vec<Gust>,
     /// Grids whose cells are faces.
     pub grids: Vec<Grid>,
+    /// What its loops are compiled for.
+    pub instructions: InstructionSet,
 }
 
 impl AerodynamicWind {
@@ -53,40 +56,84 @@ impl AerodynamicWind {
         self.gusts.iter().fold(self.velocity, |velocity, gust| velocity + gust.value(time))
     }
 
-    /// Calls `visit` with the cells that the particles of `block` are corners of, in ascending order and at most [`CHUNK`] at
-    /// a time, and with where their first and second rows of corners begin in the block, if they do.
+    /// The cells that the particles of `block` are corners of, in ascending order and at most [`CHUNK`] at a time, each with
+    /// where their first and second rows of corners begin in the block, if they do.
     ///
-    /// Cells on the border of two blocks are visited for both. So every particle gets what its cells add in the same order,
+    /// Cells on the border of two blocks are among those of both. So every particle gets what its cells add in the same order,
     /// whatever the blocks.
-    fn for_each_run(&self, block: &Range<usize>, mut visit: impl FnMut(Cells, [Option<usize>; 2])) {
-        let found = self.grids.iter().find_map(|grid| Some((grid, grid.block_rows(block)?)));
-        let Some((grid, rows)) = found else { return };
-        for row in rows.start.saturating_sub(1)..rows.end.min(grid.rows - 1) {
-            for column in (0..grid.columns - 1).step_by(CHUNK) {
+    fn runs(&self, block: &Range<usize>) -> impl Iterator<Item = (Cells, [Option<usize>; 2])> + use<> {
+        let found = self.grids.iter().find_map(|grid| Some((*grid, grid.block_rows(block)?)));
+        let start = block.start;
+        found.into_iter().flat_map(move |(grid, rows)| {
+            let cell_rows = rows.start.saturating_sub(1)..rows.end.min(grid.rows - 1);
+            let columns = (0..grid.columns - 1).step_by(CHUNK);
+            let places = cell_rows.flat_map(move |row| columns.clone().map(move |column| (column, row)));
+            places.map(move |(column, row)| {
                 let cells = Cells {
                     first: grid.particle(column, row),
                     count: CHUNK.min(grid.columns - 1 - column),
                     columns: grid.columns,
                 };
-                let target =
-                    |row: usize| rows.contains(&row).then(|| grid.particle(column, row) - block.start);
-                visit(cells, [target(row), target(row + 1)]);
+                let target = |row: usize| rows.contains(&row).then(|| grid.particle(column, row) - start);
+                (cells, [target(row), target(row + 1)])
+            })
+        })
+    }
+}
+
+/// Adds the forces [N] of the air on a block.
+struct AddForces<'a, 'b> {
+    wind: &'a AerodynamicWind,
+    at: Configuration<'a>,
+    block: &'a Range<usize>,
+    forces: &'a mut PointsMut<'b>,
+}
+
+impl Vectorise for AddForces<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { wind, at, block, forces } = self;
+        let air = wind.air_velocity(at.time);
+        let (mut faces, mut corner_forces) = (Faces::NONE, [[0.0; CHUNK]; 3]);
+        for (cells, targets) in wind.runs(block) {
+            faces.eval(at, air, cells);
+            faces.eval_corner_forces(wind, &mut corner_forces);
+            for target in targets.into_iter().flatten() {
+                let corners = target..target + cells.count + 1;
+                let [x, y, z] = &corner_forces;
+                add_to_corners(&mut forces.x[corners.clone()], x);
+                add_to_corners(&mut forces.y[corners.clone()], y);
+                add_to_corners(&mut forces.z[corners], z);
             }
         }
     }
+}
 
-    /// Overwrites the first `forces` with those [N] on each corner of `faces`.
-    fn eval_corner_forces(&self, faces: &Faces, forces: &mut [[f64; CHUNK]; 3]) {
-        let count = faces.count;
-        let [x, y, z] = forces.each_mut().map(|axis| &mut axis[..count]);
-        let factor = 0.125 * self.air_density;
-        faces.for_each(|i, face| {
-            let pressure = self.normal_coefficient * face.normal_speed.abs();
-            let friction = self.tangential_coefficient * face.speed;
-            let along_normal = (pressure - friction) * face.normal_speed;
-            let force = (face.normal * along_normal + face.velocity * friction) * (factor * face.area);
-            (x[i], y[i], z[i]) = (force.x, force.y, force.z);
-        });
+/// Adds bounds [kg/s] on the damping of a block by the air.
+struct AddBounds<'a> {
+    wind: &'a AerodynamicWind,
+    at: Configuration<'a>,
+    block: &'a Range<usize>,
+    bounds: &'a mut [f64],
+}
+
+impl Vectorise for AddBounds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { wind, at, block, bounds } = self;
+        let air = wind.air_velocity(at.time);
+        let (mut faces, mut corner_bounds) = (Faces::NONE, [0.0; CHUNK]);
+        for (cells, targets) in wind.runs(block) {
+            faces.eval(at, air, cells);
+            faces.eval_corner_bounds(wind, &mut corner_bounds);
+            for target in targets.into_iter().flatten() {
+                add_to_corners(&mut bounds[target..target + cells.count + 1], &corner_bounds);
+            }
+        }
     }
 }
 
@@ -130,6 +177,7 @@ impl Faces {
     };
 
     /// Replaces the faces by those of `cells` in air of velocity `air` [m/s].
+    #[inline(always)]
     fn eval(&mut self, at: Configuration<'_>, air: DVec3, cells: Cells) {
         self.count = cells.count;
         for (axis, [a, b, c, d]) in cells.corner_axes(at.positions).into_iter().enumerate() {
@@ -141,32 +189,60 @@ impl Faces {
         }
     }
 
-    /// Calls `visit` with the number of each face and the face.
-    #[inline]
-    fn for_each(&self, mut visit: impl FnMut(usize, Face)) {
-        let count = self.count;
-        let [px, py, pz] = self.diagonals.each_ref().map(|axis| &axis[..count]);
-        let [qx, qy, qz] = self.other_diagonals.each_ref().map(|axis| &axis[..count]);
-        let [x, y, z] = self.velocities.each_ref().map(|axis| &axis[..count]);
-        for i in 0..count {
-            let (p, q) = (DVec3::new(px[i], py[i], pz[i]), DVec3::new(qx[i], qy[i], qz[i]));
-            visit(i, Face::new(p.cross(q) * 0.5, DVec3::new(x[i], y[i], z[i])));
+    /// Overwrites the first `forces` with those [N] on each corner of the faces.
+    #[inline(always)]
+    fn eval_corner_forces(&self, wind: &AerodynamicWind, forces: &mut [[f64; CHUNK]; 3]) {
+        let factor = 0.125 * wind.air_density;
+        let [x, y, z] = forces;
+        for i in 0..self.count.min(CHUNK) {
+            let face = self.face(i);
+            let pressure = wind.normal_coefficient * face.normal_speed.abs();
+            let friction = wind.tangential_coefficient * face.speed;
+            let along_normal = (pressure - friction) * face.normal_speed;
+            let force = (face.normal * along_normal + face.velocity * friction) * (factor * face.area);
+            (x[i], y[i], z[i]) = (force.x, force.y, force.z);
         }
+    }
+
+    /// Overwrites the first `bounds` [kg/s] with what the faces add at each corner.
+    #[inline(always)]
+    fn eval_corner_bounds(&self, wind: &AerodynamicWind, bounds: &mut [f64; CHUNK]) {
+        for (i, bound) in bounds[..self.count.min(CHUNK)].iter_mut().enumerate() {
+            let face = self.face(i);
+            let slope =
+                wind.normal_coefficient * face.normal_speed.abs() + wind.tangential_coefficient * face.speed;
+            *bound = 0.25 * wind.air_density * face.area * slope;
+        }
+    }
+
+    /// Face number `i`.
+    #[inline(always)]
+    fn face(&self, i: usize) -> Face {
+        let [[px, py, pz], [qx, qy, qz]] = [&self.diagonals, &self.other_diagonals];
+        let [x, y, z] = &self.velocities;
+        let (p, q) = (DVec3::new(px[i], py[i], pz[i]), DVec3::new(qx[i], qy[i], qz[i]));
+        Face::new(p.cross(q) * 0.5, DVec3::new(x[i], y[i], z[i]))
     }
 }
 
 /// Overwrites the first `values` with a − b.
-fn difference(values: &mut [f64], a: &[f64], b: &[f64]) {
-    for ((value, a), b) in values.iter_mut().zip(a).zip(b) {
-        *value = a - b;
+#[inline(always)]
+fn difference(values: &mut [f64; CHUNK], a: &[f64], b: &[f64]) {
+    let count = a.len().min(CHUNK);
+    let (a, b) = (&a[..count], &b[..count]);
+    for i in 0..count {
+        values[i] = a[i] - b[i];
     }
 }
 
 /// Overwrites the first `values` with `air` less the mean of four corners, opposite ones first, so that it does not matter
 /// from which corner a cell is counted.
-fn relative_to_mean(values: &mut [f64], air: f64, [a, b, c, d]: [&[f64]; 4]) {
-    for ((((value, a), b), c), d) in values.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-        *value = air - 0.25 * ((a + c) + (b + d));
+#[inline(always)]
+fn relative_to_mean(values: &mut [f64; CHUNK], air: f64, [a, b, c, d]: [&[f64]; 4]) {
+    let count = a.len().min(CHUNK);
+    let (a, b, c, d) = (&a[..count], &b[..count], &c[..count], &d[..count]);
+    for i in 0..count {
+        values[i] = air - 0.25 * ((a[i] + c[i]) + (b[i] + d[i]));
     }
 }
 
@@ -185,10 +261,11 @@ struct Face {
 }
 
 impl Face {
-    #[inline]
+    #[inline(always)]
     fn new(area: DVec3, velocity: DVec3) -> Self {
         let size = area.length();
-        let normal = area * if size > 0.0 { 1.0 / size } else { 0.0 };
+        // None without area, by a division that is the same for all.
+        let normal = area * (1.0 / if size > 0.0 { size } else { f64::INFINITY });
         let speed = velocity.length();
         Self { area: size, normal, velocity, speed, normal_speed: velocity.dot(normal) }
     }
@@ -202,18 +279,7 @@ impl Force for AerodynamicWind {
         forces: &mut PointsMut<'_>,
         _sweep: &mut Sweep,
     ) {
-        let air = self.air_velocity(at.time);
-        let (mut faces, mut corner_forces) = (Faces::NONE, [[0.0; CHUNK]; 3]);
-        self.for_each_run(block, |cells, targets| {
-            faces.eval(at, air, cells);
-            self.eval_corner_forces(&faces, &mut corner_forces);
-            for target in targets.into_iter().flatten() {
-                let axes = [&mut *forces.x, &mut *forces.y, &mut *forces.z];
-                for (forces, corner_forces) in axes.into_iter().zip(&corner_forces) {
-                    add_to_corners(&mut forces[target..=target + cells.count], &corner_forces[..cells.count]);
-                }
-            }
-        });
+        self.instructions.run(AddForces { wind: self, at, block, forces });
     }
 
     fn longest_step(&self) -> f64 {
@@ -230,19 +296,7 @@ impl Force for AerodynamicWind {
     ///
     /// of which a quarter acts on each corner, and a quarter of ∂u is due to each.
     fn add_damping_bounds(&self, at: Configuration<'_>, block: &Range<usize>, bounds: &mut [f64]) {
-        let air = self.air_velocity(at.time);
-        let (mut faces, mut corner_bounds) = (Faces::NONE, [0.0; CHUNK]);
-        self.for_each_run(block, |cells, targets| {
-            faces.eval(at, air, cells);
-            faces.for_each(|i, face| {
-                let slope = self.normal_coefficient * face.normal_speed.abs()
-                    + self.tangential_coefficient * face.speed;
-                corner_bounds[i] = 0.25 * self.air_density * face.area * slope;
-            });
-            for target in targets.into_iter().flatten() {
-                add_to_corners(&mut bounds[target..=target + cells.count], &corner_bounds[..cells.count]);
-            }
-        });
+        self.instructions.run(AddBounds { wind: self, at, block, bounds });
     }
 
     fn is_external(&self) -> bool {
@@ -250,12 +304,17 @@ impl Force for AerodynamicWind {
     }
 }
 
-/// Adds to both corners of each cell its value; there is one corner more than cells.
-fn add_to_corners(corners: &mut [f64], values: &[f64]) {
-    for (corner, value) in corners.iter_mut().zip(values) {
-        *corner += value;
+/// Adds to both corners of each cell its value, the first of `values`; there is one corner more than cells.
+#[inline(always)]
+fn add_to_corners(corners: &mut [f64], values: &[f64; CHUNK]) {
+    let count = (corners.len() - 1).min(CHUNK);
+    let values = &values[..count];
+    let firsts = &mut corners[..count];
+    for i in 0..count {
+        firsts[i] += values[i];
     }
-    for (corner, value) in corners[1..].iter_mut().zip(values) {
-        *corner += value;
+    let seconds = &mut corners[1..][..count];
+    for i in 0..count {
+        seconds[i] += values[i];
     }
 }

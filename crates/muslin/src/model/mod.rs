@@ -127,7 +127,7 @@ impl Model {
         }
         particles.find_runs();
         let grids: Vec<Grid> = cloths.iter().map(|cloth: &Cloth| cloth.grid).collect();
-        forces.extend(winds(&environment.winds, scene.run(), &grids));
+        forces.extend(winds(&environment.winds, scene.run(), &grids, instructions));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
         let memory_layers = forces.iter().map(|force| force.memory_layers()).max().unwrap_or(0);
         Self { particles, moving_pins, cloths, forces, limits, blocks, memory_layers, instructions }
@@ -236,7 +236,12 @@ fn boxed<F: Force + 'static>(forces: Vec<F>) -> impl Iterator<Item = Box<dyn For
 }
 
 /// The forces of all winds: one for each on particles, and one for all that push faces, whose velocities add up.
-fn winds(settings: &[WindSettings], run: &RunSettings, grids: &[Grid]) -> Vec<Box<dyn Force>> {
+fn winds(
+    settings: &[WindSettings],
+    run: &RunSettings,
+    grids: &[Grid],
+    instructions: InstructionSet,
+) -> Vec<Box<dyn Force>> {
     let mut forces: Vec<Box<dyn Force>> = Vec::new();
     let mut air: Option<AerodynamicWind> = None;
     for (index, wind) in settings.iter().enumerate() {
@@ -252,6 +257,7 @@ fn winds(settings: &[WindSettings], run: &RunSettings, grids: &[Grid]) -> Vec<Bo
                     velocity: glam::DVec3::ZERO,
                     gusts: Vec::new(),
                     grids: grids.to_vec(),
+                    instructions,
                 });
                 air.velocity += settings.velocity;
                 air.gusts.extend(settings.gust.as_ref().map(|settings| gust(settings, run, index)));
