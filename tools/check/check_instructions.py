@@ -23,7 +23,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = Path(__file__).with_name("instructions.json")
 # Few and more steps of a case, or frames where the step is adaptive.
-CASES = {"linear-100": (5, 25), "linear-10": (200, 1200), "measured-100": (5, 25), "friction-100": (2, 8), "tangent-adaptive-32": (1, 2)}
+CASES = {
+    "linear-100": (5, 25),
+    "linear-10": (200, 1200),
+    "measured-100": (5, 25),
+    "friction-100": (2, 8),
+    "linear-adaptive-60": (1, 2),
+    "tangent-adaptive-32": (1, 2),
+}
 MARGIN = 0.03  # [1]
 MARGIN_OF_ANOTHER_COMPILER = 0.25  # [1]
 MOST_OUTSIDE = 0.15  # [1] of the instructions in no function that is compiled for vectors; a grid of 100 particles has 0.1

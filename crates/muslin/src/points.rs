@@ -192,6 +192,14 @@ impl<'a> PointsMut<'a> {
     }
 }
 
+/// Overwrites all `values` with `number`: what `fill` does, which in a loop in vectors would not be compiled for the same instructions.
+#[inline(always)]
+pub(crate) fn set_all(values: &mut [f64], number: f64) {
+    for value in values {
+        *value = number;
+    }
+}
+
 /// Sum of `term(index, value)` over `values`, in eight partial sums so that it can use vector registers; the order is
 /// the same on every machine.
 #[inline(always)]
@@ -250,15 +258,10 @@ fn add_products(lanes: &mut [f64; 8], a: &[f64], b: &[f64]) {
 #[inline(always)]
 pub(crate) fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
-    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = chunks_a.remainder().iter().zip(chunks_b.remainder());
-    for (a, b) in chunks_a.zip(chunks_b) {
-        for lane in 0..8 {
-            lanes[lane] += a[lane] * b[lane];
-        }
+    let ((chunks_a, rest_a), (chunks_b, rest_b)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in chunks_a.iter().zip(chunks_b) {
+        add_products(&mut lanes, a, b);
     }
-    for (lane, (a, b)) in lanes.iter_mut().zip(rest) {
-        *lane += a * b;
-    }
+    add_products(&mut lanes, rest_a, rest_b);
     lanes.iter().sum()
 }

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::tile_springs::set_all;
 use super::{Configuration, Force, PotentialEnergies, Sweep};
 use crate::instructions::Vectorise;
 use crate::model::Particles;
+use crate::points::set_all;
 use crate::{InstructionSet, PointsMut};
 
 /// Uniform gravity.

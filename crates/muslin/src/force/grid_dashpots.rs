@@ -82,11 +82,7 @@ impl GridDashpots {
     #[inline(always)]
     fn eval(&self, chunk: &mut Chunk, at: Configuration<'_>, segment: &Segment) -> [f64; CHUNK] {
         chunk.eval(&self.elements, segment, at.positions, at.particles);
-        let mut coefficients = chunk.shares();
-        for coefficient in &mut coefficients {
-            *coefficient *= self.coefficient;
-        }
-        coefficients
+        chunk.shares_of(self.coefficient)
     }
 }
 

@@ -6,6 +6,7 @@ use super::law::{LawVisitor, TensionLaw};
 use super::spring::{Spring, SpringLength};
 use super::tile::{Coordinates, SHAPES, Shape, TILE, Tile};
 use crate::model::Grid;
+use crate::points::set_all;
 
 /// Something of every spring of a tile: by family in the order of [`Family::ALL`](super::Family::ALL), direction and
 /// particle.
@@ -352,14 +353,6 @@ fn eval_tensors<L: TensionLaw>(
         let [along, across] = spring.stiffnesses(length);
         coefficients[i] = (along - across) * length.inverse * length.inverse;
         stiffnesses[i] = across;
-    }
-}
-
-/// What `fill` does, which would not be compiled for the same instructions.
-#[inline(always)]
-pub(super) fn set_all(values: &mut [f64], number: f64) {
-    for value in values {
-        *value = number;
     }
 }
 

@@ -213,24 +213,23 @@ impl CentralDifference {
         before: Option<&mut State>,
         to: StepTo,
     ) -> Result<Motion, StepError> {
-        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
         let Self { workers, bands, pass, spare, .. } = self;
         let is_shared = 1 < workers.count() && 1 < model.blocks().len();
         let moved = match before {
             Some(from) => {
                 state.leave_in(from);
-                pass.step_from((model, workers), state, from, motion, bands)
+                pass.step_from((model, workers), state, from, to, bands)
             }
             None if is_shared => {
                 // What forces remember stays as it is, and need not be copied.
                 let memory = std::mem::take(&mut state.memory);
                 state.leave_in(spare);
                 spare.memory = memory;
-                let moved = pass.step_from((model, workers), state, spare, motion, bands);
+                let moved = pass.step_from((model, workers), state, spare, to, bands);
                 state.memory = std::mem::take(&mut spare.memory);
                 moved
             }
-            None => pass.step_in_place(model, state, motion, &mut bands[0]),
+            None => pass.step_in_place(model, state, to, &mut bands[0]),
         };
         arrive(model, state, to);
         measured(model, state, moved)
@@ -251,13 +250,11 @@ impl CentralDifference {
             return motion;
         }
         let from = left_behind(state, before);
-        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
-        arrive(model, state, to);
         let Self { bands, pass, forces, .. } = self;
         let eval = |at: Configuration<'_>, block: &Range<usize>, forces: PointsMut<'_>, sweep: &mut Sweep| {
             eval_block(model, at, block, forces, sweep);
         };
-        let moved = pass.move_and_eval(model, (state, from), motion, forces, &mut bands[0], eval);
+        let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, configuration(model, state), state.last_step);
         }
@@ -383,8 +380,6 @@ impl Integrator for CentralDifference {
             return (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness));
         }
         let from = left_behind(state, before);
-        let motion = (Steps { last: state.last_step, next: to.step }, to.is_measured);
-        arrive(model, state, to);
         let Self { bands, pass, forces, stiffness_bounds, block_bound, .. } = self;
         stiffness_bounds.resize(state.positions.len(), 0.0);
         let mut largest = [0.0; 2];
@@ -393,7 +388,7 @@ impl Integrator for CentralDifference {
             eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
             largest = larger_rates(largest, block_bound.rates(model, block, bounds));
         };
-        let moved = pass.move_and_eval(model, (state, from), motion, forces, &mut bands[0], eval);
+        let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
         let motion = measured(model, state, moved);
         (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))
     }

@@ -6,7 +6,7 @@ use super::block_forces::eval_block;
 use super::motion::{MoveBlock, Moved, Steps, combined};
 use super::stability::configuration;
 use super::workers::for_each_block;
-use super::{SplitArrays, Workers};
+use super::{SplitArrays, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
 use crate::{Model, Points, PointsMut, State};
 
@@ -26,16 +26,16 @@ pub(super) struct OnePass {
 }
 
 impl OnePass {
-    /// Moves all particles of `state` by `steps`, whose positions and velocities are those of `from`, on threads with their
-    /// `memories`.
+    /// Moves all particles of `state`, whose positions and velocities are those of `from`, on threads with their `memories`.
     pub(super) fn step_from(
         &mut self,
         (model, workers): (&Model, &Workers),
         state: &mut State,
         from: &State,
-        (steps, is_measured): (Steps, bool),
+        StepTo { step, is_measured, .. }: StepTo,
         memories: &mut [BandMemory],
     ) -> Option<Moved> {
+        let steps = Steps { last: state.last_step, next: step };
         let (at, particles) = (configuration(model, from), model.particles());
         let moved = self.of_blocks(model.blocks());
         let arrays = ((state.positions.as_mut(), state.velocities.as_mut()), moved);
@@ -74,9 +74,10 @@ impl OnePass {
         &mut self,
         model: &Model,
         state: &mut State,
-        (steps, is_measured): (Steps, bool),
+        StepTo { step, is_measured, .. }: StepTo,
         BandMemory { sweep, forces }: &mut BandMemory,
     ) -> Option<Moved> {
+        let steps = Steps { last: state.last_step, next: step };
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;
         sweep.restart();
@@ -101,16 +102,18 @@ impl OnePass {
     }
 
     /// Moves all particles of `state` on this thread, whose positions and velocities are those of `from` if there is one, under
-    /// `forces` [N] that are known, and calls `eval` for those where they arrive.
+    /// `forces` [N] that are known, and calls `eval` for those where they arrive, at the step's end in time. No pin may move.
     pub(super) fn move_and_eval(
         &mut self,
         model: &Model,
         (state, from): (&mut State, Option<&State>),
-        (steps, is_measured): (Steps, bool),
+        StepTo { step, time, is_measured }: StepTo,
         forces: &mut Points,
         BandMemory { sweep, .. }: &mut BandMemory,
         mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
     ) -> Option<Moved> {
+        let steps = Steps { last: state.last_step, next: step };
+        (state.time, state.last_step) = (time, step);
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;
         sweep.restart();

@@ -111,12 +111,12 @@ impl Chunk {
         ((self.len() + STRIDE - 1) & !(STRIDE - 1)).min(CHUNK)
     }
 
-    /// What constants per curvature or strain have to be multiplied by.
+    /// What a `constant` per width comes to in each element: as much of it as its share of a cell's width, and twice at clamps.
     #[inline(always)]
-    pub(in crate::force) fn shares(&self) -> [f64; CHUNK] {
+    pub(in crate::force) fn shares_of(&self, constant: f64) -> [f64; CHUNK] {
         let mut shares = self.widths;
         for (share, clamp) in shares.iter_mut().zip(&self.clamps) {
-            *share += *share * clamp;
+            *share = (*share + *share * clamp) * constant;
         }
         shares
     }

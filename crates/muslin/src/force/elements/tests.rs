@@ -48,7 +48,7 @@ fn potential(elements: &GridElements, positions: &Points, particles: &Particles)
     let (mut chunk, mut sum) = (Chunk::EMPTY, 0.0);
     for segment in elements.all() {
         chunk.eval(elements, &segment, positions, particles);
-        for (i, share) in chunk.shares()[..chunk.len()].iter().enumerate() {
+        for (i, share) in chunk.shares_of(1.0)[..chunk.len()].iter().enumerate() {
             sum += weight(&segment, i) * share * chunk.coordinates[i];
         }
     }
@@ -69,7 +69,7 @@ fn gradient(elements: &GridElements, positions: &Points, particles: &Particles, 
         let Some(rows) = elements.grid.block_rows(&block) else { panic!("a block of the grid") };
         for segment in elements.touching(&block) {
             chunk.eval(elements, &segment, positions, particles);
-            let (mut factors, shares) = ([0.0; CHUNK], chunk.shares());
+            let (mut factors, shares) = ([0.0; CHUNK], chunk.shares_of(1.0));
             for (i, factor) in factors[..chunk.len()].iter_mut().enumerate() {
                 *factor = weight(&segment, i) * shares[i];
             }
@@ -170,7 +170,7 @@ fn gradients_change_no_bit_of_a_coordinate() {
             without.eval_coordinates(&elements, &segment, &positions, &particles);
             let count = with.len();
             assert_eq!(with.coordinates[..count], without.coordinates[..count], "{elements:?}");
-            assert_eq!(with.shares(), without.shares(), "{elements:?}");
+            assert_eq!(with.shares_of(1.0), without.shares_of(1.0), "{elements:?}");
         }
     }
 }
@@ -241,7 +241,7 @@ fn bounds_and_tensors_are_above_every_displacement() {
         let rows = 0..elements.grid.rows;
         for segment in elements.all() {
             chunk.eval(&elements, &segment, &positions, &particles);
-            let (mut rates, shares) = ([0.0; CHUNK], chunk.shares());
+            let (mut rates, shares) = ([0.0; CHUNK], chunk.shares_of(1.0));
             chunk.eval_rates(&displacement, &mut rates);
             for (share, rate) in shares.iter().zip(&rates[..chunk.len()]) {
                 stiffness += share * rate * rate;
@@ -284,7 +284,7 @@ fn clamps_stay_in_their_segment() {
             fresh.eval(&elements, &segment, &positions, &particles);
             chunk.eval(&elements, &segment, &positions, &particles);
             let count = fresh.len();
-            assert_eq!(chunk.shares()[..count], fresh.shares()[..count], "{line:?}, {segment:?}");
+            assert_eq!(chunk.shares_of(1.0)[..count], fresh.shares_of(1.0)[..count], "{line:?}, {segment:?}");
             clamped += fresh.clamps[..count].iter().filter(|clamp| **clamp == 1.0).count();
         }
         // Both ends of both rows of pins, or all of the second row.

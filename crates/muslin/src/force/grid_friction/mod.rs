@@ -63,16 +63,6 @@ impl GridFriction {
         energies.iter().sum()
     }
 
-    /// The stiffnesses of the elements of `chunk` along their coordinates.
-    #[inline(always)]
-    fn stiffnesses(&self, chunk: &Chunk) -> [f64; CHUNK] {
-        let mut stiffnesses = chunk.shares();
-        for stiffness in &mut stiffnesses {
-            *stiffness *= self.stiffness;
-        }
-        stiffnesses
-    }
-
     /// Adds forces [N] on the particles of `block`, and stiffness bounds [N/m] if they are asked for.
     fn add(
         &self,
@@ -111,7 +101,7 @@ impl Vectorise for AddFriction<'_, '_> {
             chunk.add_gradients(&factors, &rows, block.start, forces);
             if let Some(bounds) = bounds.as_deref_mut() {
                 let pinned = at.particles.pinned();
-                chunk.add_bounds(&friction.stiffnesses(&chunk), pinned, &rows, block.start, bounds);
+                chunk.add_bounds(&chunk.shares_of(friction.stiffness), pinned, &rows, block.start, bounds);
             }
         }
     }
@@ -157,7 +147,7 @@ impl Force for GridFriction {
         for segment in self.elements.touching(block) {
             chunk.eval(&self.elements, &segment, at.positions, at.particles);
             let pinned = at.particles.pinned();
-            chunk.add_bounds(&self.stiffnesses(&chunk), pinned, &rows, block.start, bounds);
+            chunk.add_bounds(&chunk.shares_of(self.stiffness), pinned, &rows, block.start, bounds);
         }
     }
 
@@ -173,7 +163,7 @@ impl Force for GridFriction {
         for segment in self.elements.touching(block) {
             chunk.eval(&self.elements, &segment, at.positions, at.particles);
             let pinned = at.particles.pinned();
-            chunk.add_tensors(&self.stiffnesses(&chunk), pinned, &rows, block.start, tensors);
+            chunk.add_tensors(&chunk.shares_of(self.stiffness), pinned, &rows, block.start, tensors);
         }
     }
 
