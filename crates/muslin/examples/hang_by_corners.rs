@@ -184,6 +184,10 @@ fn write_picture(folder: &str, cases: &[Case], shapes: &[&Points]) -> io::Result
 fn main() -> Result<(), AnyError> {
     let mut arguments = std::env::args().skip(1);
     let finest = arguments.next().map_or(Ok(FINEST), |cells| cells.parse())?;
+    let folder = arguments.next();
+    if let Some(folder) = &folder {
+        std::fs::create_dir_all(folder)?;
+    }
     let cases: Vec<Case> =
         FABRICS.into_iter().flat_map(|fabric| [1, 2].map(|corners| Case { fabric, corners })).collect();
     let shapes: Vec<Vec<Points>> = std::thread::scope(|scope| {
@@ -203,7 +207,7 @@ fn main() -> Result<(), AnyError> {
         }
         writeln!(out)?;
     }
-    if let Some(folder) = arguments.next() {
+    if let Some(folder) = folder {
         let finest: Vec<&Points> = shapes.iter().filter_map(|shapes| shapes.last()).collect();
         write_picture(&folder, &cases, &finest)?;
     }

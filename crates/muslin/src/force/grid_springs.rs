@@ -95,11 +95,18 @@ impl GridSprings {
     /// The same with a rigidity against `bending` of the same grid.
     ///
     /// # Panics
-    /// If it is of another grid, or there are bend springs.
+    /// If it is of another grid, there are bend springs, or structural springs are not those of inner [lines](Lines) with others
+    /// along edges, or shear springs not in all cells: twist is added to the springs of a cell, half as much along edges.
     #[must_use]
     pub fn with_bending(self, bending: GridBending) -> Self {
         assert_eq!(*bending.grid(), self.grid, "a rigidity of another grid");
         assert!(!self.has_bend_springs(), "a grid bends by springs or has a rigidity");
+        let swept = self.swept();
+        let are_all = |family: Family, lines: Lines| {
+            swept[family as usize].iter().flatten().all(|group| group.lines == lines)
+        };
+        assert!(are_all(Family::Structural, Lines::Inner), "springs along edges are a group of their own");
+        assert!(are_all(Family::Shear, Lines::All), "shear springs are in all cells");
         Self { bending: Some(bending), ..self }
     }
 
@@ -115,7 +122,7 @@ impl GridSprings {
     /// Adds forces to all that are swept: where a clamp holds.
     fn add_clamp_forces(&self, at: Configuration<'_>, block: &Range<usize>, forces: &mut PointsMut<'_>) {
         if let Some(bending) = &self.bending {
-            bending.add_clamp_products(at.positions, -1.0, block, forces);
+            bending.add_clamp_forces(at.positions, block, forces);
         }
     }
 

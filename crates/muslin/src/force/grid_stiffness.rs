@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Configuration;
 use super::grid_springs::GridSprings;
-use super::row_sums::{Border, PAD, Pending, Pulls};
+use super::row_sums::{Border, FarPulls, PAD, Pending, Pulls};
 use super::row_sweep::{Sweep, Swept, TileMemory, strips};
 use super::stiffness_tensors::{StiffnessTensors, StiffnessTensorsMut};
 use super::tile::{Coordinates, TILE, Tile};
@@ -36,12 +36,13 @@ impl Vectorise for TensorSweep<'_, '_> {
         let Sweep { tile, kept_tensors, .. } = sweep;
         let tile = tile.get_or_insert_with(TileMemory::new);
         if starts {
-            start(springs, &mut tile.pulls, kept_tensors);
+            start(springs, &mut tile.far, kept_tensors);
         }
         for (strip, own) in strips(&springs.grid, &rows, starts) {
             let mut borders = [Border::default(); 6];
             for part in Tile::of(&springs.grid, &strip) {
-                let TileMemory { springs: tile_springs, pulls, end_copies, weights, .. } = &mut **tile;
+                let TileMemory { springs: tile_springs, pulls, far: [far, ..], end_copies, weights, .. } =
+                    &mut **tile;
                 let has_bend_springs = springs.has_bend_springs();
                 let coordinates = end_copies.coordinates(&part, &springs.grid, at.positions);
                 let weights = weights.eval(&part, &springs.grid, at.particles);
@@ -58,22 +59,28 @@ impl Vectorise for TensorSweep<'_, '_> {
                 {
                     let [a, b] = ENTRIES[entry];
                     let axes = [coordinates[a], coordinates[b]];
-                    pulls.begin(borders[entry]);
+                    pulls.begin(far, borders[entry]);
                     match (entry < 3, has_bend_springs) {
-                        (true, true) => eval_entry::<true, true>(pulls, tile_springs, axes, weights, &part),
-                        (true, false) => eval_entry::<true, false>(pulls, tile_springs, axes, weights, &part),
-                        (false, true) => eval_entry::<false, true>(pulls, tile_springs, axes, weights, &part),
+                        (true, true) => {
+                            eval_entry::<true, true>(pulls, far, tile_springs, axes, weights, &part)
+                        }
+                        (true, false) => {
+                            eval_entry::<true, false>(pulls, far, tile_springs, axes, weights, &part)
+                        }
+                        (false, true) => {
+                            eval_entry::<false, true>(pulls, far, tile_springs, axes, weights, &part)
+                        }
                         (false, false) => {
-                            eval_entry::<false, false>(pulls, tile_springs, axes, weights, &part);
+                            eval_entry::<false, false>(pulls, far, tile_springs, axes, weights, &part);
                         }
                     }
-                    borders[entry] = pulls.border(part.columns.len());
+                    borders[entry] = pulls.border(far, part.columns.len());
                     let pending = Pending {
                         next: &mut next[part.columns.clone()],
                         after: &mut after[part.columns.clone()],
                     };
                     let sums = own.clone().map(|own| &mut sums[own]);
-                    pulls.add_to_tile(&part, springs.grid.columns, sums, pending);
+                    pulls.add_to_tile(far, &part, springs.grid.columns, sums, pending);
                 }
             }
         }
@@ -81,10 +88,10 @@ impl Vectorise for TensorSweep<'_, '_> {
 }
 
 /// Makes room, and begins with nothing from earlier rows.
-fn start(springs: &GridSprings, pulls: &mut Pulls, kept: &mut [StiffnessTensors; 2]) {
+fn start(springs: &GridSprings, far: &mut [FarPulls; 3], kept: &mut [StiffnessTensors; 2]) {
     let columns = springs.grid.columns;
     if !springs.has_bend_springs() {
-        pulls.clear_far();
+        far.fill(FarPulls::ZERO);
     }
     for tensors in kept {
         // Another grid may have had longer rows.
@@ -102,6 +109,7 @@ fn start(springs: &GridSprings, pulls: &mut Pulls, kept: &mut [StiffnessTensors;
 #[inline(always)]
 fn eval_entry<const DIAGONAL: bool, const BEND: bool>(
     pulls: &mut Pulls,
+    far: &mut FarPulls,
     springs: &TileSprings,
     coordinates: [Coordinates<'_>; 2],
     weights: Coordinates<'_>,
@@ -115,10 +123,9 @@ fn eval_entry<const DIAGONAL: bool, const BEND: bool>(
         &springs.stiffnesses;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
     let pulls_down = &mut pulls.down[PAD..][..count];
     let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
     for i in 0..count {
         let entry = |coefficient: f64, stiffness: f64, da: f64, db: f64| {
             let along = coefficient * da * db;

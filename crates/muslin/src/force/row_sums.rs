@@ -17,14 +17,20 @@ pub(super) struct Pulls {
     pub(super) own: Padded,
     /// On the particle to the right.
     pub(super) right: Padded,
-    /// On the next particle but one to the right, the opposite.
-    pub(super) far_right: Padded,
     /// On the particle below, the opposite.
     pub(super) down: Padded,
     /// On the particle below to the right, the opposite.
     pub(super) down_right: Padded,
+}
+
+/// What resists bending, and so reaches to the next particle but one, pulls at along one axis [N], with the signs of [`Pulls`].
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct FarPulls {
+    /// On the next particle but one to the right, the opposite.
+    pub(super) right: Padded,
     /// On the particle two rows down, the opposite.
-    pub(super) far_down: Padded,
+    pub(super) down: Padded,
 }
 
 /// The pulls along one axis [N] of the last springs of a tile on the first particles of the next in the same row.
@@ -47,43 +53,40 @@ pub(super) enum TileBending {
     None,
     /// Bend springs.
     Springs,
-    /// Second differences along rows and columns, and those of cells.
+    /// Second differences along rows and columns.
     Rigidity,
+}
+
+impl FarPulls {
+    /// Nothing resists bending.
+    pub(super) const ZERO: Self = Self { right: [0.0; PAD + TILE], down: [0.0; PAD + TILE] };
 }
 
 impl Pulls {
     pub(super) const ZERO: Self = Self {
         own: [0.0; PAD + TILE],
         right: [0.0; PAD + TILE],
-        far_right: [0.0; PAD + TILE],
         down: [0.0; PAD + TILE],
         down_right: [0.0; PAD + TILE],
-        far_down: [0.0; PAD + TILE],
     };
 
-    /// Nothing resists bending, whatever another grid left.
-    pub(super) fn clear_far(&mut self) {
-        self.far_right.fill(0.0);
-        self.far_down.fill(0.0);
-    }
-
-    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Where nothing
-    /// resists bending that must be [clear](Self::clear_far), and stay so.
+    /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Those of a
+    /// rigidity are `far` already; where nothing resists bending these must be zero, and stay so.
     #[inline(always)]
     pub(super) fn eval(
         &mut self,
-        springs: &TileSprings,
-        bending: TileBending,
+        far: &mut FarPulls,
+        (springs, bending): (&TileSprings, TileBending),
         coordinates: Coordinates<'_>,
         border: Border,
         tile: &Tile,
     ) {
-        self.begin(border);
+        self.begin(far, border);
         let count = tile.padded_len();
         match bending {
-            TileBending::None => eval_pulls::<false, false>(self, springs, coordinates, count),
-            TileBending::Springs => eval_pulls::<true, false>(self, springs, coordinates, count),
-            TileBending::Rigidity => eval_pulls::<false, true>(self, springs, coordinates, count),
+            TileBending::None => eval_pulls::<false, false>(self, far, springs, coordinates, count),
+            TileBending::Springs => eval_pulls::<true, false>(self, far, springs, coordinates, count),
+            TileBending::Rigidity => eval_pulls::<false, true>(self, far, springs, coordinates, count),
         }
     }
 
@@ -95,35 +98,36 @@ impl Pulls {
     #[inline(always)]
     pub(super) fn eval_bounds(
         &mut self,
+        far: &mut FarPulls,
         springs: &TileSprings,
         varies: [bool; 3],
         weights: Coordinates<'_>,
         border: Border,
         tile: &Tile,
     ) {
-        self.begin(border);
+        self.begin(far, border);
         match varies {
-            [_, false, false] => eval_bounds::<false, false>(self, springs, weights, tile),
-            [_, true, false] => eval_bounds::<true, false>(self, springs, weights, tile),
-            [_, false, true] => eval_bounds::<false, true>(self, springs, weights, tile),
-            [_, true, true] => eval_bounds::<true, true>(self, springs, weights, tile),
+            [_, false, false] => eval_bounds::<false, false>(self, far, springs, weights, tile),
+            [_, true, false] => eval_bounds::<true, false>(self, far, springs, weights, tile),
+            [_, false, true] => eval_bounds::<false, true>(self, far, springs, weights, tile),
+            [_, true, true] => eval_bounds::<true, true>(self, far, springs, weights, tile),
         }
     }
 
     /// Begins beside the tile that left the `border`.
-    pub(super) fn begin(&mut self, border: Border) {
+    pub(super) fn begin(&mut self, far: &mut FarPulls, border: Border) {
         self.right[PAD - 1] = border.right;
-        [self.far_right[PAD - 2], self.far_right[PAD - 1]] = border.far_right;
+        [far.right[PAD - 2], far.right[PAD - 1]] = border.far_right;
         self.down_right[PAD - 1] = border.down_right;
     }
 
     /// What the first `count` particles leave to the next tile.
-    pub(super) fn border(&self, count: usize) -> Border {
+    pub(super) fn border(&self, far: &FarPulls, count: usize) -> Border {
         // In the second to last column of a grid only the first two can be.
         let last = PAD + count - 1;
         Border {
             right: self.right[last],
-            far_right: [self.far_right[last - 1], self.far_right[last]],
+            far_right: [far.right[last - 1], far.right[last]],
             down_right: self.down_right[last],
         }
     }
@@ -133,6 +137,7 @@ impl Pulls {
     #[inline(always)]
     pub(super) fn add_to_tile(
         &self,
+        far: &FarPulls,
         tile: &Tile,
         columns: usize,
         mut forces: Option<&mut [f64]>,
@@ -144,17 +149,17 @@ impl Pulls {
             let first = row * columns;
             let own = first + tile.columns.start..first + tile.columns.end;
             match &mut forces {
-                Some(forces) => add_to_row(self, first, &mut forces[own], next, after),
-                None => pass_down(self, first, next, after),
+                Some(forces) => add_to_row(self, far, first, &mut forces[own], next, after),
+                None => pass_down(self, far, first, next, after),
             }
         }
         if apart < tile.rows.len() {
             if let Some(forces) = forces {
-                add_within(self, columns, &mut forces[apart * columns..]);
+                add_within(self, far, columns, &mut forces[apart * columns..]);
             }
             let last = tile.len() - columns;
-            after.copy_from_slice(&self.far_down[PAD + last - columns..][..columns]);
-            pass_down(self, last, next, after);
+            after.copy_from_slice(&far.down[PAD + last - columns..][..columns]);
+            pass_down(self, far, last, next, after);
         }
     }
 }
@@ -162,6 +167,7 @@ impl Pulls {
 #[inline(always)]
 fn eval_pulls<const BEND: bool, const RIGID: bool>(
     pulls: &mut Pulls,
+    far: &mut FarPulls,
     springs: &TileSprings,
     coordinates: Coordinates<'_>,
     count: usize,
@@ -170,13 +176,11 @@ fn eval_pulls<const BEND: bool, const RIGID: bool>(
     let Ends { own, right, far_right, down, down_right, far_down } = Ends::of(coordinates, count);
     let [[across_c, down_c], [diagonal_c, other_diagonal_c], [far_across_c, far_down_c]] =
         &springs.coefficients;
-    let twists = &springs.twists;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
     let pulls_down = &mut pulls.down[PAD..][..count];
     let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
     for i in 0..count {
         let across = across_c[i] * (right[i] - own[i]);
         let below = down_c[i] * (down[i] - own[i]);
@@ -194,17 +198,11 @@ fn eval_pulls<const BEND: bool, const RIGID: bool>(
             pulls_far_down[i] = far_below;
         }
         if RIGID {
-            // c (x₀ − 2 x₁ + x₂) pulls at the ends of three in a line, and twice as much the other way at their middle.
-            let (to_right, to_down) = (right[i] - own[i], down[i] - own[i]);
-            let across = far_across_c[i] * ((far_right[i] - right[i]) - to_right);
-            let along = far_down_c[i] * ((far_down[i] - down[i]) - to_down);
-            let twist = twists[i] * ((down_right[i] - right[i]) - to_down);
-            pulls_own[i] -= (across + along) + twist;
-            pulls_right[i] += (across + across) + twist;
-            pulls_down[i] -= (along + along) + twist;
-            pulls_down_right[i] += twist;
-            pulls_far_right[i] = across;
-            pulls_far_down[i] = along;
+            // Three in a line are pulled at their ends, and twice as much the other way at their middle.
+            let (across, along) = (pulls_far_right[i], pulls_far_down[i]);
+            pulls_own[i] -= across + along;
+            pulls_right[i] += across + across;
+            pulls_down[i] -= along + along;
         }
     }
 }
@@ -212,6 +210,7 @@ fn eval_pulls<const BEND: bool, const RIGID: bool>(
 #[inline(always)]
 fn eval_bounds<const SHEAR: bool, const BEND: bool>(
     pulls: &mut Pulls,
+    far: &mut FarPulls,
     springs: &TileSprings,
     weights: Coordinates<'_>,
     tile: &Tile,
@@ -221,10 +220,9 @@ fn eval_bounds<const SHEAR: bool, const BEND: bool>(
     let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = &springs.stiffnesses;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_far_right = &mut pulls.far_right[PAD..][..count];
     let pulls_down = &mut pulls.down[PAD..][..count];
     let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let pulls_far_down = &mut pulls.far_down[PAD..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
     for i in 0..count {
         let (own, right, below) = (weights.own[i], weights.right[i], weights.down[i]);
         let mut sum = right * across[i] + below * down[i];
@@ -248,13 +246,20 @@ fn eval_bounds<const SHEAR: bool, const BEND: bool>(
 
 /// Adds all forces [N] along one axis on a row of particles, and passes on.
 #[inline(always)]
-fn add_to_row(pulls: &Pulls, first: usize, forces: &mut [f64], next: &mut [f64], after: &mut [f64]) {
+fn add_to_row(
+    pulls: &Pulls,
+    far: &FarPulls,
+    first: usize,
+    forces: &mut [f64],
+    next: &mut [f64],
+    after: &mut [f64],
+) {
     let count = forces.len();
     let first = PAD + first;
     let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
-    let far_right = &pulls.far_right[first - 2..][..count];
+    let far_right = &far.right[first - 2..][..count];
     let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
-    let far_down = &pulls.far_down[first..][..count];
+    let far_down = &far.down[first..][..count];
     let (next, after) = (&mut next[..count], &mut after[..count]);
     for i in 0..count {
         forces[i] += own[i] + right[i] - far_right[i] - next[i];
@@ -265,11 +270,11 @@ fn add_to_row(pulls: &Pulls, first: usize, forces: &mut [f64], next: &mut [f64],
 
 /// Passes on what the springs of a row of particles do to later rows.
 #[inline(always)]
-fn pass_down(pulls: &Pulls, first: usize, next: &mut [f64], after: &mut [f64]) {
+fn pass_down(pulls: &Pulls, far: &FarPulls, first: usize, next: &mut [f64], after: &mut [f64]) {
     let count = next.len();
     let first = PAD + first;
     let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
-    let far_down = &pulls.far_down[first..][..count];
+    let far_down = &far.down[first..][..count];
     let after = &mut after[..count];
     for i in 0..count {
         next[i] = after[i] + down[i] + down_right[i];
@@ -279,13 +284,13 @@ fn pass_down(pulls: &Pulls, first: usize, next: &mut [f64], after: &mut [f64]) {
 
 /// What [`add_to_row`] does row by row, with the same bits, for rows of `columns` from the third on.
 #[inline(always)]
-fn add_within(pulls: &Pulls, columns: usize, forces: &mut [f64]) {
+fn add_within(pulls: &Pulls, far: &FarPulls, columns: usize, forces: &mut [f64]) {
     let count = forces.len();
     let (first, above) = (PAD + 2 * columns, PAD + columns);
     let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
-    let far_right = &pulls.far_right[first - 2..][..count];
+    let far_right = &far.right[first - 2..][..count];
     let (down, down_right) = (&pulls.down[above..][..count], &pulls.down_right[above - 1..][..count]);
-    let far_down = &pulls.far_down[PAD..][..count];
+    let far_down = &far.down[PAD..][..count];
     for i in 0..count {
         forces[i] += own[i] + right[i] - far_right[i] - (far_down[i] + down[i] + down_right[i]);
     }

@@ -7,10 +7,10 @@
 use std::ops::Range;
 
 use super::grid_springs::{GridFamily, GridSprings};
-use super::row_sums::{Border, Pending, Pulls, TileBending};
+use super::row_sums::{Border, FarPulls, Pending, Pulls, TileBending};
 use super::tile::{EndCopies, TILE, Tile, Weights};
 use super::tile_springs::TileSprings;
-use super::{Configuration, StiffnessTensors};
+use super::{Configuration, GridBending, StiffnessTensors};
 use crate::instructions::Vectorise;
 use crate::model::Grid;
 use crate::{Points, PointsMut};
@@ -74,7 +74,10 @@ pub(super) fn strips(
 pub(super) struct TileMemory {
     pub(super) springs: TileSprings,
     pub(super) pulls: Pulls,
+    /// Those of a rigidity along each axis, as it is found for all axes at once; else the first is for all.
+    pub(super) far: [FarPulls; 3],
     bound_pulls: Pulls,
+    far_bounds: FarPulls,
     pub(super) end_copies: EndCopies,
     pub(super) weights: Weights,
 }
@@ -133,7 +136,9 @@ impl TileMemory {
         Box::new(Self {
             springs: TileSprings::ZERO,
             pulls: Pulls::ZERO,
+            far: [FarPulls::ZERO; 3],
             bound_pulls: Pulls::ZERO,
+            far_bounds: FarPulls::ZERO,
             end_copies: EndCopies::ZERO,
             weights: Weights::ZERO,
         })
@@ -156,11 +161,13 @@ impl RowPass<'_> {
     /// Makes room, and begins with nothing from earlier rows.
     fn start(&mut self) {
         let columns = self.springs.grid.columns;
+        self.tile.springs.restart();
         if self.springs.tile_bending() == TileBending::None {
-            self.tile.pulls.clear_far();
+            self.tile.far.fill(FarPulls::ZERO);
         }
         if self.is_bounded {
             self.tile.bound_pulls = Pulls::ZERO;
+            self.tile.far_bounds = FarPulls::ZERO;
         }
         for KeptRow { forces, bounds } in &mut *self.kept {
             // Another grid may have had longer rows.
@@ -184,21 +191,31 @@ impl RowPass<'_> {
     ) {
         let mut borders = [Border::default(); 4];
         for tile in Tile::of(&self.springs.grid, &rows) {
-            let TileMemory { springs, pulls, bound_pulls, end_copies, weights } = &mut *self.tile;
+            let TileMemory { springs, pulls, far, bound_pulls, far_bounds, end_copies, weights } =
+                &mut *self.tile;
             let grid = &self.springs.grid;
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
             let has_bend_springs = self.springs.has_bend_springs();
-            springs.eval_lengths(coordinates, has_bend_springs, &tile);
+            match &self.springs.bending {
+                Some(bending) => {
+                    springs.eval_lengths_and_bends(coordinates, bending, far, &tile, grid);
+                }
+                None => springs.eval_lengths(coordinates, has_bend_springs, &tile),
+            }
+            let twists = self.springs.bending.as_ref().map_or([0.0; 3], GridBending::twists);
             let families = if has_bend_springs { 3 } else { 2 };
             for (index, directions) in self.swept.into_iter().enumerate().take(families) {
                 for (direction, group) in directions.into_iter().enumerate() {
                     // Bounds are those of structural springs at least.
                     let bounded = self.is_bounded && (index == 0 || self.varies[index]);
-                    springs.eval_coefficients([index, direction], group, bounded, &tile, grid);
+                    springs.eval_coefficients(
+                        [index, direction],
+                        (group, twists[index]),
+                        bounded,
+                        &tile,
+                        grid,
+                    );
                 }
-            }
-            if let Some(bending) = &self.springs.bending {
-                springs.set_rigidity(bending.coefficients(), &tile, grid);
             }
             let bending = self.springs.tile_bending();
             let [next, after] = &mut *self.kept;
@@ -208,24 +225,25 @@ impl RowPass<'_> {
                 (&mut next.forces.z, &mut after.forces.z),
             ];
             for (axis, (next, after)) in kept.into_iter().enumerate() {
-                pulls.eval(springs, bending, coordinates[axis], borders[axis], &tile);
-                borders[axis] = pulls.border(tile.columns.len());
+                let far = &mut far[if bending == TileBending::Rigidity { axis } else { 0 }];
+                pulls.eval(far, (springs, bending), coordinates[axis], borders[axis], &tile);
+                borders[axis] = pulls.border(far, tile.columns.len());
                 let pending = Pending {
                     next: &mut next[tile.columns.clone()],
                     after: &mut after[tile.columns.clone()],
                 };
                 let forces = forces.as_mut().map(|forces| &mut *forces[axis]);
-                pulls.add_to_tile(&tile, grid.columns, forces, pending);
+                pulls.add_to_tile(far, &tile, grid.columns, forces, pending);
             }
             if self.is_bounded {
                 let weights = weights.eval(&tile, grid, self.at.particles);
-                bound_pulls.eval_bounds(springs, self.varies, weights, borders[3], &tile);
-                borders[3] = bound_pulls.border(tile.columns.len());
+                bound_pulls.eval_bounds(far_bounds, springs, self.varies, weights, borders[3], &tile);
+                borders[3] = bound_pulls.border(far_bounds, tile.columns.len());
                 let pending = Pending {
                     next: &mut next.bounds[tile.columns.clone()],
                     after: &mut after.bounds[tile.columns.clone()],
                 };
-                bound_pulls.add_to_tile(&tile, grid.columns, bounds.as_deref_mut(), pending);
+                bound_pulls.add_to_tile(far_bounds, &tile, grid.columns, bounds.as_deref_mut(), pending);
             }
         }
     }

@@ -1,8 +1,13 @@
 //! The springs of a tile, each with a coefficient.
 
+use std::ops::Range;
+
+use super::GridBending;
+use super::bending::LineRigidity;
 use super::grid_laws::Lines;
 use super::grid_springs::GridFamily;
 use super::law::{LawVisitor, TensionLaw};
+use super::row_sums::{FarPulls, PAD};
 use super::spring::{Spring, SpringLength};
 use super::tile::{Coordinates, SHAPES, Shape, TILE, Tile};
 use crate::model::Grid;
@@ -24,25 +29,31 @@ const ZERO: OfSprings = [[[0.0; ROOM]; 2]; 3];
 ///
 /// They are found in three passes, whose loops are short enough for a processor to look ahead in them: squared lengths with a
 /// first guess of what one divides by, for all springs alike; coefficients, by the law of each family; and the pull along
-/// each axis, again for all alike.
+/// each axis, again for all alike. Arrays come first, so that each begins with a line of the cache.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct TileSprings {
     /// Squared lengths [m²].
     squares: OfSprings,
     /// First guesses of the inverse lengths [1/m], in whose place come coefficients c [N/m] of the forces: F = c d with the
-    /// vector d from end to end; zero where there is no spring. Or those of [tensors](Self::eval_tensors), c [N/m³].
+    /// vector d from end to end; zero where there is no spring. In the places of bend springs also b_x and b_y of a rigidity
+    /// [N/m]. Or those of [tensors](Self::eval_tensors), c [N/m³].
     pub(super) coefficients: OfSprings,
     /// Stiffness [N/m], where it varies; for tensors that across the springs, zero where there is none.
     pub(super) stiffnesses: OfSprings,
-    /// Of a rigidity, coefficients [N/m] of the cells that begin at a particle; those of its second differences are in the
-    /// places of bend springs.
-    pub(super) twists: OfTile,
+    /// The tile of inner rows, by their number and the columns, whose coefficients of a rigidity are in the places of bend
+    /// springs; the next one like it need not set them again.
+    rigid_tile: Option<(usize, Range<usize>)>,
 }
 
 impl TileSprings {
     pub(super) const ZERO: Self =
-        Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO, twists: [0.0; ROOM] };
+        Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO, rigid_tile: None };
+
+    /// Forgets what is of another grid.
+    pub(super) fn restart(&mut self) {
+        self.rigid_tile = None;
+    }
 
     /// Finds the lengths of all springs of a tile whose coordinates are x, y and z; not of bend springs if there are none.
     #[inline(always)]
@@ -58,6 +69,32 @@ impl TileSprings {
         } else {
             eval_lengths::<false, true>(squares, guesses, (x, y, z), tile.padded_len());
         }
+    }
+
+    /// Finds the lengths of all springs of a tile of `grid`, which has no bend springs, and the `far` pulls of its `bending`.
+    #[inline(always)]
+    pub(super) fn eval_lengths_and_bends(
+        &mut self,
+        [x, y, z]: [Coordinates<'_>; 3],
+        bending: &GridBending,
+        far: &mut [FarPulls; 3],
+        tile: &Tile,
+        grid: &Grid,
+    ) {
+        let rigidities = bending.rigidities();
+        let is_inner = 0 < tile.rows.start && tile.rows.end + SHAPES[2][1].rows <= grid.rows;
+        let rigid_tile = is_inner.then(|| (tile.rows.len(), tile.columns.clone()));
+        if rigid_tile.is_none() || self.rigid_tile != rigid_tile {
+            for ((values, rigidity), shape) in self.coefficients[2].iter_mut().zip(rigidities).zip(&SHAPES[2])
+            {
+                set_all(&mut values[..tile.padded_len()], rigidity.coefficient);
+                clear_absent(values, shape, tile, grid);
+                halve_edges(values, shape, tile, grid);
+            }
+            self.rigid_tile = rigid_tile;
+        }
+        let arrays = (&mut self.squares, &mut self.coefficients);
+        eval_lengths_and_bends(arrays, rigidities, far, (x, y, z), tile.padded_len());
     }
 
     /// Finds squared lengths [m²] alone: of the springs of a family by its index and direction they are then to be had from
@@ -97,13 +134,13 @@ impl TileSprings {
     }
 
     /// Finds the coefficients of the springs of a family, by its `index`, and `direction` in a `tile` of `grid`, under the
-    /// law of a `group`, and if they are `bounded` their stiffness, zero where it never varies; without a group there are
-    /// none.
+    /// law of a `group`, each with that of a `twist` [N/m] beside it, and if they are `bounded` their stiffness, zero where it
+    /// never varies; without a group there are none.
     #[inline(always)]
     pub(super) fn eval_coefficients(
         &mut self,
         place: [usize; 2],
-        group: Option<&GridFamily>,
+        (group, twist): (Option<&GridFamily>, f64),
         bounded: bool,
         tile: &Tile,
         grid: &Grid,
@@ -112,35 +149,37 @@ impl TileSprings {
         let Some(Place { group, spring, squares, coefficients, stiffnesses }) =
             self.place(place, group, count)
         else {
+            if twist != 0.0 {
+                let [index, direction] = place;
+                let lines = if index == 0 { Lines::Inner } else { Lines::All };
+                let coefficients = &mut self.coefficients[index][direction];
+                set_all(&mut coefficients[..count], twist);
+                mend(coefficients, lines, place, tile, grid);
+            }
             return;
         };
         let varies = bounded && !group.has_constant_stiffness();
         let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
-        if varies {
-            group.law.visit(EvalCoefficients::<true> { spring, squares, arrays });
-        } else {
-            group.law.visit(EvalCoefficients::<false> { spring, squares, arrays });
-            if bounded {
-                stiffnesses[..count].fill(0.0);
+        match (varies, twist != 0.0) {
+            (false, false) => {
+                group.law.visit(EvalCoefficients::<false, false> { spring, twist, squares, arrays });
+            }
+            (false, true) => {
+                group.law.visit(EvalCoefficients::<false, true> { spring, twist, squares, arrays });
+            }
+            (true, false) => {
+                group.law.visit(EvalCoefficients::<true, false> { spring, twist, squares, arrays });
+            }
+            (true, true) => {
+                group.law.visit(EvalCoefficients::<true, true> { spring, twist, squares, arrays });
             }
         }
-        mend(coefficients, group, place, tile, grid);
+        mend(coefficients, group.lines, place, tile, grid);
         if varies {
-            mend(stiffnesses, group, place, tile, grid);
+            mend(stiffnesses, group.lines, place, tile, grid);
+        } else if bounded {
+            stiffnesses[..count].fill(0.0);
         }
-    }
-
-    /// Sets the coefficients of a rigidity b_x, b_y and d [N/m] in a `tile` of `grid`, in place of those of bend springs.
-    #[inline(always)]
-    pub(super) fn set_rigidity(&mut self, [across, along, twist]: [f64; 3], tile: &Tile, grid: &Grid) {
-        let [_, [_, diagonal], bend] = &SHAPES;
-        for ((values, coefficient), shape) in self.coefficients[2].iter_mut().zip([across, along]).zip(bend) {
-            set_all(&mut values[..tile.padded_len()], coefficient);
-            clear_absent(values, shape, tile, grid);
-            halve_edges(values, shape, tile, grid);
-        }
-        set_all(&mut self.twists[..tile.padded_len()], twist);
-        clear_absent(&mut self.twists, diagonal, tile, grid);
     }
 
     /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses
@@ -161,8 +200,8 @@ impl TileSprings {
         };
         let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
         group.law.visit(EvalTensors { spring, squares, arrays });
-        mend(coefficients, group, place, tile, grid);
-        mend(stiffnesses, group, place, tile, grid);
+        mend(coefficients, group.lines, place, tile, grid);
+        mend(stiffnesses, group.lines, place, tile, grid);
     }
 
     /// The springs in a place, of the first `count` particles; without any, all that is kept of them becomes zero.
@@ -196,12 +235,13 @@ struct Place<'a> {
     stiffnesses: &'a mut OfTile,
 }
 
-/// Clears the `values` of what are no springs of a `group`, and halves those of springs along edges if these are half as stiff.
+/// Clears the `values` of what are no springs, and halves those of springs along edges if these are in other `lines`, and half
+/// as stiff.
 #[inline(always)]
-fn mend(values: &mut OfTile, group: &GridFamily, [index, direction]: [usize; 2], tile: &Tile, grid: &Grid) {
+fn mend(values: &mut OfTile, lines: Lines, [index, direction]: [usize; 2], tile: &Tile, grid: &Grid) {
     let shape = &SHAPES[index][direction];
     clear_absent(values, shape, tile, grid);
-    if group.lines == Lines::Inner {
+    if lines == Lines::Inner {
         halve_edges(values, shape, tile, grid);
     }
 }
@@ -231,6 +271,17 @@ impl<'a> Ends<'a> {
     }
 }
 
+/// The vector [m] from one point to another.
+#[inline(always)]
+fn vector(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
+}
+
+#[inline(always)]
+fn square([x, y, z]: [f64; 3]) -> f64 {
+    x * x + y * y + z * z
+}
+
 #[inline(always)]
 fn eval_lengths<const BEND: bool, const GUESS: bool>(
     squares: &mut OfSprings,
@@ -247,18 +298,14 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
         [far_across_guess, far_down_guess],
     ] = guesses;
     for i in 0..count {
-        let square = |from: [f64; 3], to: [f64; 3]| {
-            let [dx, dy, dz] = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-            dx * dx + dy * dy + dz * dz
-        };
         let own = [x.own[i], y.own[i], z.own[i]];
         let right = [x.right[i], y.right[i], z.right[i]];
         let below = [x.down[i], y.down[i], z.down[i]];
         let below_right = [x.down_right[i], y.down_right[i], z.down_right[i]];
-        across[i] = square(own, right);
-        down[i] = square(own, below);
-        diagonal[i] = square(own, below_right);
-        other_diagonal[i] = square(right, below);
+        across[i] = square(vector(own, right));
+        down[i] = square(vector(own, below));
+        diagonal[i] = square(vector(own, below_right));
+        other_diagonal[i] = square(vector(right, below));
         if GUESS {
             across_guess[i] = SpringLength::guess_inverse(across[i]);
             down_guess[i] = SpringLength::guess_inverse(down[i]);
@@ -266,8 +313,8 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
             other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
         }
         if BEND {
-            far_across[i] = square(own, [x.far_right[i], y.far_right[i], z.far_right[i]]);
-            far_down[i] = square(own, [x.far_down[i], y.far_down[i], z.far_down[i]]);
+            far_across[i] = square(vector(own, [x.far_right[i], y.far_right[i], z.far_right[i]]));
+            far_down[i] = square(vector(own, [x.far_down[i], y.far_down[i], z.far_down[i]]));
         }
         if BEND && GUESS {
             far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
@@ -276,39 +323,73 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
     }
 }
 
-/// Finds coefficients and, if `BOUNDED`, stiffnesses [N/m] of springs under one law.
-struct EvalCoefficients<'a, const BOUNDED: bool> {
+/// The same with first guesses, and what pulls at the next particles but one since lines resist bending, with the coefficients
+/// [N/m] in the places of bend springs.
+#[inline(always)]
+fn eval_lengths_and_bends(
+    (squares, guesses): (&mut OfSprings, &mut OfSprings),
+    [across_rigidity, along_rigidity]: [LineRigidity; 2],
+    [far_x, far_y, far_z]: &mut [FarPulls; 3],
+    (x, y, z): (Coordinates<'_>, Coordinates<'_>, Coordinates<'_>),
+    count: usize,
+) {
+    let count = count.min(TILE);
+    let (x, y, z) = (Ends::of(x, count), Ends::of(y, count), Ends::of(z, count));
+    let [[across, down], [diagonal, other_diagonal], _] = squares;
+    let [[across_guess, down_guess], [diagonal_guess, other_diagonal_guess], [across_c, along_c]] = guesses;
+    let (right_x, down_x) = (&mut far_x.right[PAD..][..count], &mut far_x.down[PAD..][..count]);
+    let (right_y, down_y) = (&mut far_y.right[PAD..][..count], &mut far_y.down[PAD..][..count]);
+    let (right_z, down_z) = (&mut far_z.right[PAD..][..count], &mut far_z.down[PAD..][..count]);
+    for i in 0..count {
+        let own = [x.own[i], y.own[i], z.own[i]];
+        let right = [x.right[i], y.right[i], z.right[i]];
+        let below = [x.down[i], y.down[i], z.down[i]];
+        let below_right = [x.down_right[i], y.down_right[i], z.down_right[i]];
+        let (to_right, to_below) = (vector(own, right), vector(own, below));
+        across[i] = square(to_right);
+        down[i] = square(to_below);
+        diagonal[i] = square(vector(own, below_right));
+        other_diagonal[i] = square(vector(right, below));
+        across_guess[i] = SpringLength::guess_inverse(across[i]);
+        down_guess[i] = SpringLength::guess_inverse(down[i]);
+        diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
+        other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
+        let far_right = [x.far_right[i], y.far_right[i], z.far_right[i]];
+        let second = vector(to_right, vector(right, far_right));
+        let c = across_rigidity.with_coefficient(across_c[i]).force_coefficient(square(second));
+        (right_x[i], right_y[i], right_z[i]) = (c * second[0], c * second[1], c * second[2]);
+        let far_below = [x.far_down[i], y.far_down[i], z.far_down[i]];
+        let second = vector(to_below, vector(below, far_below));
+        let c = along_rigidity.with_coefficient(along_c[i]).force_coefficient(square(second));
+        (down_x[i], down_y[i], down_z[i]) = (c * second[0], c * second[1], c * second[2]);
+    }
+}
+
+/// Finds coefficients, if `TWISTED` with that of a twist [N/m], and if `BOUNDED` stiffnesses [N/m] of springs under one law.
+struct EvalCoefficients<'a, const BOUNDED: bool, const TWISTED: bool> {
     /// But for its law.
     spring: Spring<()>,
+    twist: f64,
     squares: &'a [f64],
     arrays: (&'a mut [f64], &'a mut [f64]),
 }
 
-impl<const BOUNDED: bool> LawVisitor for EvalCoefficients<'_, BOUNDED> {
+impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'_, BOUNDED, TWISTED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        let Self { spring, squares, arrays: (coefficients, stiffnesses) } = self;
-        let spring = spring.with_law(law);
-        if BOUNDED {
-            eval_bounded(&spring, squares, coefficients, stiffnesses);
-        } else {
-            eval(&spring, squares, coefficients);
-        }
+        let Self { spring, twist, squares, arrays: (coefficients, stiffnesses) } = self;
+        eval_coefficients::<L, BOUNDED, TWISTED>(
+            (&spring.with_law(law), twist),
+            squares,
+            coefficients,
+            stiffnesses,
+        );
     }
 }
 
 #[inline(always)]
-fn eval<L: TensionLaw>(spring: &Spring<L>, squares: &[f64], coefficients: &mut [f64]) {
-    let count = coefficients.len();
-    let squares = &squares[..count];
-    for i in 0..count {
-        coefficients[i] = spring.coefficient(SpringLength::from_guess(squares[i], coefficients[i]));
-    }
-}
-
-#[inline(always)]
-fn eval_bounded<L: TensionLaw>(
-    spring: &Spring<L>,
+fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
+    (spring, twist): (&Spring<L>, f64),
     squares: &[f64],
     coefficients: &mut [f64],
     stiffnesses: &mut [f64],
@@ -318,7 +399,14 @@ fn eval_bounded<L: TensionLaw>(
     let stiffnesses = &mut stiffnesses[..count];
     for i in 0..count {
         let length = SpringLength::from_guess(squares[i], coefficients[i]);
-        (coefficients[i], stiffnesses[i]) = spring.coefficient_and_stiffness(length);
+        let coefficient = if BOUNDED {
+            let (coefficient, stiffness) = spring.coefficient_and_stiffness(length);
+            stiffnesses[i] = stiffness;
+            coefficient
+        } else {
+            spring.coefficient(length)
+        };
+        coefficients[i] = if TWISTED { coefficient + twist } else { coefficient };
     }
 }
 

@@ -7,7 +7,7 @@
 //! E = ½ B κ² w (n − 1) h
 //! ```
 //!
-//! for n cells, as no link lies around the ends. Second differences have it times (sin(κh/2) / (κh/2))⁴.
+//! for n cells, as no link lies around the ends. Second differences have it times s⁴ (1 + (κh)² s⁴ / 12), s = sin(κh/2) / (κh/2).
 
 use std::sync::LazyLock;
 
@@ -72,7 +72,8 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
         let what = format!("{degrees}° from column to column: E of links [J]");
         rows.push(Row::new(what, exact, energy(&links, turn), tolerance));
         let half = 0.5 * turn;
-        let factor = (libm::sin(half) / half).powi(4);
+        let square = (libm::sin(half) / half).powi(4);
+        let factor = square * (1.0 + turn * turn * square / 12.0);
         let what = format!("{degrees}° from column to column: E of second differences [J]");
         rows.push(Row::new(what, factor * exact, energy(&differences, turn), 1e-10));
     }
@@ -80,8 +81,8 @@ pub(crate) static PROBLEM: LazyLock<Problem> = LazyLock::new(|| {
         title: "Strip along an arc",
         text: "The energy of bending of a strip that lies along the arc of a circle, by links that buckle at once (Choi and \
                Ko 2002) and by second differences. Exact for links is ½ B κ² per area at every curvature, but for what they \
-               lack where they are hardly bent; for second differences that times (sin(θ/2) / (θ/2))⁴ with the turn θ from \
-               column to column, as chords are shorter than arcs here.",
+               lack where they are hardly bent; for second differences that times s⁴ (1 + θ² s⁴ / 12) with the turn θ from \
+               column to column and s = sin(θ/2) / (θ/2), as chords are shorter than arcs here.",
         rows,
     }
 });
