@@ -79,6 +79,7 @@ impl Points {
     /// # Panics
     /// If it reaches beyond the last.
     #[must_use]
+    #[inline]
     pub fn slice(&self, range: &Range<usize>) -> [&[f64]; 3] {
         [&self.x[range.clone()], &self.y[range.clone()], &self.z[range.clone()]]
     }
@@ -87,6 +88,7 @@ impl Points {
     ///
     /// # Panics
     /// If it reaches beyond the last.
+    #[inline]
     pub fn slice_mut(&mut self, range: &Range<usize>) -> PointsMut<'_> {
         PointsMut {
             x: &mut self.x[range.clone()],

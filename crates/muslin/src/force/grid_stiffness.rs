@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use super::Configuration;
 use super::grid_springs::GridSprings;
-use super::row_sums::{Border, FarPulls, PAD, Pending, Pulls};
+use super::row_sums::{ABOVE, Border, FarPulls, PAD, Pending, Pulls};
 use super::row_sweep::{Sweep, Swept, TileMemory, strips};
 use super::stiffness_tensors::{StiffnessTensors, StiffnessTensorsMut};
-use super::tile::{Coordinates, TILE, Tile};
-use super::tile_springs::{Ends, TileSprings};
+use super::tile::{Coordinates, Ends, TILE, Tile};
+use super::tile_springs::TileSprings;
 use crate::instructions::Vectorise;
 
 /// Coordinates that each entry of a tensor multiplies, in the order of [`StiffnessTensorsMut::entries_mut`].
@@ -62,13 +62,13 @@ impl Vectorise for TensorSweep<'_, '_> {
                     pulls.begin(far, borders[entry]);
                     match (entry < 3, has_bend_springs) {
                         (true, true) => {
-                            eval_entry::<true, true>(pulls, far, tile_springs, axes, weights, &part)
+                            eval_entry::<true, true>(pulls, far, tile_springs, axes, weights, &part);
                         }
                         (true, false) => {
-                            eval_entry::<true, false>(pulls, far, tile_springs, axes, weights, &part)
+                            eval_entry::<true, false>(pulls, far, tile_springs, axes, weights, &part);
                         }
                         (false, true) => {
-                            eval_entry::<false, true>(pulls, far, tile_springs, axes, weights, &part)
+                            eval_entry::<false, true>(pulls, far, tile_springs, axes, weights, &part);
                         }
                         (false, false) => {
                             eval_entry::<false, false>(pulls, far, tile_springs, axes, weights, &part);
@@ -80,7 +80,7 @@ impl Vectorise for TensorSweep<'_, '_> {
                         after: &mut after[part.columns.clone()],
                     };
                     let sums = own.clone().map(|own| &mut sums[own]);
-                    pulls.add_to_tile(far, &part, springs.grid.columns, sums, pending);
+                    pulls.add_to_tile(far, &part, &springs.grid, sums, pending);
                 }
             }
         }
@@ -123,9 +123,9 @@ fn eval_entry<const DIAGONAL: bool, const BEND: bool>(
         &springs.stiffnesses;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_down = &mut pulls.down[PAD..][..count];
-    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
+    let pulls_down = &mut pulls.down[ABOVE..][..count];
+    let pulls_down_right = &mut pulls.down_right[ABOVE..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[ABOVE..][..count]);
     for i in 0..count {
         let entry = |coefficient: f64, stiffness: f64, da: f64, db: f64| {
             let along = coefficient * da * db;

@@ -1,36 +1,42 @@
 //! What the springs of a tile do to its particles and to later rows, one coordinate at a time.
 
-use super::tile::{Coordinates, TILE, Tile};
-use super::tile_springs::{Ends, TileSprings};
+use super::tile::{Coordinates, Ends, TILE, Tile, has_none_above};
+use super::tile_springs::TileSprings;
+use crate::model::Grid;
 
 /// Room for the springs of the last particles before a tile.
 pub(super) const PAD: usize = 8;
 
+/// The same, and before these room for two rows above a narrow grid, which has none there: always zeros.
+pub(super) const ABOVE: usize = TILE + PAD;
+
 type Padded = [f64; PAD + TILE];
+
+type PaddedAbove = [f64; ABOVE + TILE];
 
 /// What the springs numbered by the particles of a tile pull at along one axis [N]. A spring's force on one end is the
 /// opposite of that on the other.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct Pulls {
     /// Of all springs but the second diagonal, on the particle itself.
     pub(super) own: Padded,
     /// On the particle to the right.
     pub(super) right: Padded,
     /// On the particle below, the opposite.
-    pub(super) down: Padded,
+    pub(super) down: PaddedAbove,
     /// On the particle below to the right, the opposite.
-    pub(super) down_right: Padded,
+    pub(super) down_right: PaddedAbove,
 }
 
 /// What resists bending, and so reaches to the next particle but one, pulls at along one axis [N], with the signs of [`Pulls`].
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct FarPulls {
     /// On the next particle but one to the right, the opposite.
     pub(super) right: Padded,
     /// On the particle two rows down, the opposite.
-    pub(super) down: Padded,
+    pub(super) down: PaddedAbove,
 }
 
 /// The pulls along one axis [N] of the last springs of a tile on the first particles of the next in the same row.
@@ -59,15 +65,15 @@ pub(super) enum TileBending {
 
 impl FarPulls {
     /// Nothing resists bending.
-    pub(super) const ZERO: Self = Self { right: [0.0; PAD + TILE], down: [0.0; PAD + TILE] };
+    pub(super) const ZERO: Self = Self { right: [0.0; PAD + TILE], down: [0.0; ABOVE + TILE] };
 }
 
 impl Pulls {
     pub(super) const ZERO: Self = Self {
         own: [0.0; PAD + TILE],
         right: [0.0; PAD + TILE],
-        down: [0.0; PAD + TILE],
-        down_right: [0.0; PAD + TILE],
+        down: [0.0; ABOVE + TILE],
+        down_right: [0.0; ABOVE + TILE],
     };
 
     /// Finds the pulls of `springs` whose ends have the `coordinates` [m], beside the tile that left the `border`. Those of a
@@ -118,33 +124,34 @@ impl Pulls {
     pub(super) fn begin(&mut self, far: &mut FarPulls, border: Border) {
         self.right[PAD - 1] = border.right;
         [far.right[PAD - 2], far.right[PAD - 1]] = border.far_right;
-        self.down_right[PAD - 1] = border.down_right;
+        self.down_right[ABOVE - 1] = border.down_right;
     }
 
     /// What the first `count` particles leave to the next tile.
     pub(super) fn border(&self, far: &FarPulls, count: usize) -> Border {
         // In the second to last column of a grid only the first two can be.
-        let last = PAD + count - 1;
+        let last = count - 1;
         Border {
-            right: self.right[last],
-            far_right: [far.right[last - 1], far.right[last]],
-            down_right: self.down_right[last],
+            right: self.right[PAD + last],
+            far_right: [far.right[PAD + last - 1], far.right[PAD + last]],
+            down_right: self.down_right[ABOVE + last],
         }
     }
 
-    /// Adds to the `forces` of a strip all that pulls at the particles of a `tile`, and passes on what its springs do to
-    /// later rows; a row of the grid has `columns`.
+    /// Adds to the `forces` of a strip all that pulls at the particles of a `tile` of `grid`, and passes on what
+    /// its springs do to later rows.
     #[inline(always)]
     pub(super) fn add_to_tile(
         &self,
         far: &FarPulls,
         tile: &Tile,
-        columns: usize,
+        grid: &Grid,
         mut forces: Option<&mut [f64]>,
         Pending { next, after }: Pending<'_>,
     ) {
+        let columns = grid.columns;
         // The first two rows get something from earlier strips, all others from this one alone.
-        let apart = tile.rows.len().min(2);
+        let apart = if has_none_above(grid, tile.rows.start) { 0 } else { tile.rows.len().min(2) };
         for row in 0..apart {
             let first = row * columns;
             let own = first + tile.columns.start..first + tile.columns.end;
@@ -155,11 +162,13 @@ impl Pulls {
         }
         if apart < tile.rows.len() {
             if let Some(forces) = forces {
-                add_within(self, far, columns, &mut forces[apart * columns..]);
+                add_within(self, far, [apart * columns, columns], &mut forces[apart * columns..]);
             }
-            let last = tile.len() - columns;
-            after.copy_from_slice(&far.down[PAD + last - columns..][..columns]);
-            pass_down(self, far, last, next, after);
+            if tile.rows.end < grid.rows {
+                let last = tile.len() - columns;
+                after.copy_from_slice(&far.down[ABOVE + last - columns..][..columns]);
+                pass_down(self, far, last, next, after);
+            }
         }
     }
 }
@@ -178,9 +187,9 @@ fn eval_pulls<const BEND: bool, const RIGID: bool>(
         &springs.coefficients;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_down = &mut pulls.down[PAD..][..count];
-    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
+    let pulls_down = &mut pulls.down[ABOVE..][..count];
+    let pulls_down_right = &mut pulls.down_right[ABOVE..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[ABOVE..][..count]);
     for i in 0..count {
         let across = across_c[i] * (right[i] - own[i]);
         let below = down_c[i] * (down[i] - own[i]);
@@ -220,9 +229,9 @@ fn eval_bounds<const SHEAR: bool, const BEND: bool>(
     let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = &springs.stiffnesses;
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
-    let pulls_down = &mut pulls.down[PAD..][..count];
-    let pulls_down_right = &mut pulls.down_right[PAD..][..count];
-    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[PAD..][..count]);
+    let pulls_down = &mut pulls.down[ABOVE..][..count];
+    let pulls_down_right = &mut pulls.down_right[ABOVE..][..count];
+    let (pulls_far_right, pulls_far_down) = (&mut far.right[PAD..][..count], &mut far.down[ABOVE..][..count]);
     for i in 0..count {
         let (own, right, below) = (weights.own[i], weights.right[i], weights.down[i]);
         let mut sum = right * across[i] + below * down[i];
@@ -255,11 +264,11 @@ fn add_to_row(
     after: &mut [f64],
 ) {
     let count = forces.len();
-    let first = PAD + first;
+    let (first, below) = (PAD + first, ABOVE + first);
     let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
     let far_right = &far.right[first - 2..][..count];
-    let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
-    let far_down = &far.down[first..][..count];
+    let (down, down_right) = (&pulls.down[below..][..count], &pulls.down_right[below - 1..][..count]);
+    let far_down = &far.down[below..][..count];
     let (next, after) = (&mut next[..count], &mut after[..count]);
     for i in 0..count {
         forces[i] += own[i] + right[i] - far_right[i] - next[i];
@@ -272,7 +281,7 @@ fn add_to_row(
 #[inline(always)]
 fn pass_down(pulls: &Pulls, far: &FarPulls, first: usize, next: &mut [f64], after: &mut [f64]) {
     let count = next.len();
-    let first = PAD + first;
+    let first = ABOVE + first;
     let (down, down_right) = (&pulls.down[first..][..count], &pulls.down_right[first - 1..][..count]);
     let far_down = &far.down[first..][..count];
     let after = &mut after[..count];
@@ -282,15 +291,17 @@ fn pass_down(pulls: &Pulls, far: &FarPulls, first: usize, next: &mut [f64], afte
     }
 }
 
-/// What [`add_to_row`] does row by row, with the same bits, for rows of `columns` from the third on.
+/// What [`add_to_row`] does row by row, with the same bits, for rows of `columns` from the particle `first` on; the two rows above
+/// it are of the same tile, or there are none.
 #[inline(always)]
-fn add_within(pulls: &Pulls, far: &FarPulls, columns: usize, forces: &mut [f64]) {
+fn add_within(pulls: &Pulls, far: &FarPulls, [first, columns]: [usize; 2], forces: &mut [f64]) {
     let count = forces.len();
-    let (first, above) = (PAD + 2 * columns, PAD + columns);
+    let (above, far_above) = (ABOVE + first - columns, ABOVE + first - 2 * columns);
+    let first = PAD + first;
     let (own, right) = (&pulls.own[first..][..count], &pulls.right[first - 1..][..count]);
     let far_right = &far.right[first - 2..][..count];
     let (down, down_right) = (&pulls.down[above..][..count], &pulls.down_right[above - 1..][..count]);
-    let far_down = &far.down[PAD..][..count];
+    let far_down = &far.down[far_above..][..count];
     for i in 0..count {
         forces[i] += own[i] + right[i] - far_right[i] - (far_down[i] + down[i] + down_right[i]);
     }

@@ -4,11 +4,12 @@
 //! part. What a particle gets still has an order of its own: first from the springs that it begins, then from those of its
 //! own row that it ends, then from those of rows above. So it does not matter where a block of rows begins.
 
+use std::iter::successors;
 use std::ops::Range;
 
 use super::grid_springs::{GridFamily, GridSprings};
 use super::row_sums::{Border, FarPulls, Pending, Pulls, TileBending};
-use super::tile::{EndCopies, TILE, Tile, Weights};
+use super::tile::{EndCopies, TILE, Tile, Weights, has_none_above};
 use super::tile_springs::TileSprings;
 use super::{Configuration, GridBending, StiffnessTensors};
 use crate::instructions::Vectorise;
@@ -62,15 +63,18 @@ pub(super) fn strips(
     let (start, end, columns) = (rows.start, rows.end, grid.columns);
     let above = if starts { start.saturating_sub(2)..start } else { start..start };
     let rows_per_strip = (TILE / columns).max(1);
-    let own = (start..end).step_by(rows_per_strip).map(move |first| {
+    let firsts = successors(Some(start), move |&first| Some(first + rows_per_strip));
+    let own = firsts.take_while(move |&first| first < end).map(move |first| {
         let last = (first + rows_per_strip).min(end);
         (first..last, Some((first - start) * columns..(last - start) * columns))
     });
     above.map(|row| (row..row + 1, None)).chain(own)
 }
 
-/// All that is computed of a tile.
+/// All that is computed of a tile, in an order in which no loop writes where, but for multiples of a page, it reads a little later:
+/// processors confuse the two.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(super) struct TileMemory {
     pub(super) springs: TileSprings,
     pub(super) pulls: Pulls,
@@ -115,7 +119,7 @@ impl Vectorise for RowSweep<'_, '_> {
         let varies = swept.map(|directions| directions.into_iter().any(varies));
         let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded };
         if starts {
-            pass.start();
+            pass.start(rows.start);
         }
         for (strip, own) in strips(&springs.grid, &rows, starts) {
             let PointsMut { x, y, z } = &mut *forces;
@@ -158,8 +162,8 @@ struct RowPass<'a> {
 }
 
 impl RowPass<'_> {
-    /// Makes room, and begins with nothing from earlier rows.
-    fn start(&mut self) {
+    /// Makes room, and begins at `first_row` with nothing from earlier rows.
+    fn start(&mut self, first_row: usize) {
         let columns = self.springs.grid.columns;
         self.tile.springs.restart();
         if self.springs.tile_bending() == TileBending::None {
@@ -169,12 +173,15 @@ impl RowPass<'_> {
             self.tile.bound_pulls = Pulls::ZERO;
             self.tile.far_bounds = FarPulls::ZERO;
         }
+        // The first strip of a narrow grid reads nothing of it.
+        let is_read = !has_none_above(&self.springs.grid, first_row);
         for KeptRow { forces, bounds } in &mut *self.kept {
             // Another grid may have had longer rows.
             if forces.len() < columns {
                 *forces = Points::zeros(columns);
+            } else if is_read {
+                forces.slice_mut(&(0..columns)).fill(0.0);
             }
-            forces.slice_mut(&(0..columns)).fill(0.0);
             bounds.clear();
             bounds.resize(if self.is_bounded { columns } else { 0 }, 0.0);
         }
@@ -233,7 +240,7 @@ impl RowPass<'_> {
                     after: &mut after[tile.columns.clone()],
                 };
                 let forces = forces.as_mut().map(|forces| &mut *forces[axis]);
-                pulls.add_to_tile(far, &tile, grid.columns, forces, pending);
+                pulls.add_to_tile(far, &tile, grid, forces, pending);
             }
             if self.is_bounded {
                 let weights = weights.eval(&tile, grid, self.at.particles);
@@ -243,7 +250,7 @@ impl RowPass<'_> {
                     next: &mut next.bounds[tile.columns.clone()],
                     after: &mut after.bounds[tile.columns.clone()],
                 };
-                bound_pulls.add_to_tile(far_bounds, &tile, grid.columns, bounds.as_deref_mut(), pending);
+                bound_pulls.add_to_tile(far_bounds, &tile, grid, bounds.as_deref_mut(), pending);
             }
         }
     }

@@ -11,7 +11,7 @@ pub(super) const TILE: usize = 128;
 
 /// Loops over the springs of a tile are as long as a multiple of this, so that no vector is half empty. What they compute beyond
 /// the tile is used by nobody.
-const STRIDE: usize = 8;
+pub(super) const STRIDE: usize = 8;
 
 /// How the springs of one family lie: two for each particle.
 ///
@@ -79,6 +79,11 @@ impl Tile {
     }
 }
 
+/// Whether there are no rows above `first_row` of a `grid` of which two would fit into a tile: room for zeros in their place.
+pub(super) fn has_none_above(grid: &Grid, first_row: usize) -> bool {
+    first_row == 0 && 2 * grid.columns <= TILE
+}
+
 /// One coordinate [m], or another number, of the particles of a tile and of all that springs join to them: `rows[k]` begins k
 /// rows below its first particle, and is 2 − k longer than the loops over its springs.
 #[derive(Clone, Copy)]
@@ -94,6 +99,31 @@ impl<'a> Coordinates<'a> {
 
     fn of_copies([own, next, last]: &'a [[f64; TILE + 2]; 3], count: usize) -> Self {
         Self { rows: [&own[..count + 2], &next[..count + 1], &last[..count]] }
+    }
+}
+
+/// One coordinate [m] of the particles that springs begin and end at, one per particle of a tile.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<'a> {
+    pub(super) own: &'a [f64],
+    pub(super) right: &'a [f64],
+    pub(super) far_right: &'a [f64],
+    pub(super) down: &'a [f64],
+    pub(super) down_right: &'a [f64],
+    pub(super) far_down: &'a [f64],
+}
+
+impl<'a> Ends<'a> {
+    #[inline(always)]
+    pub(super) fn of(Coordinates { rows: [own, next, last] }: Coordinates<'a>, count: usize) -> Self {
+        Self {
+            own: &own[..count],
+            right: &own[1..][..count],
+            far_right: &own[2..][..count],
+            down: &next[..count],
+            down_right: &next[1..][..count],
+            far_down: &last[..count],
+        }
     }
 }
 

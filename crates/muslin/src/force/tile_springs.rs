@@ -7,11 +7,12 @@ use super::bending::LineRigidity;
 use super::grid_laws::Lines;
 use super::grid_springs::GridFamily;
 use super::law::{LawVisitor, TensionLaw};
-use super::row_sums::{FarPulls, PAD};
+use super::row_sums::{ABOVE, FarPulls, PAD};
 use super::spring::{Spring, SpringLength};
-use super::tile::{Coordinates, SHAPES, Shape, TILE, Tile};
+use super::tile::{Coordinates, Ends, SHAPES, STRIDE, Shape, TILE, Tile};
 use crate::model::Grid;
 use crate::points::set_all;
+use crate::scene::ForceDirection;
 
 /// Something of every spring of a tile: by family in the order of [`Family::ALL`](super::Family::ALL), direction and
 /// particle.
@@ -246,31 +247,6 @@ fn mend(values: &mut OfTile, lines: Lines, [index, direction]: [usize; 2], tile:
     }
 }
 
-/// One coordinate [m] of the particles that springs begin and end at, one per particle of a tile.
-#[derive(Clone, Copy)]
-pub(super) struct Ends<'a> {
-    pub(super) own: &'a [f64],
-    pub(super) right: &'a [f64],
-    pub(super) far_right: &'a [f64],
-    pub(super) down: &'a [f64],
-    pub(super) down_right: &'a [f64],
-    pub(super) far_down: &'a [f64],
-}
-
-impl<'a> Ends<'a> {
-    #[inline(always)]
-    pub(super) fn of(Coordinates { rows: [own, next, last] }: Coordinates<'a>, count: usize) -> Self {
-        Self {
-            own: &own[..count],
-            right: &own[1..][..count],
-            far_right: &own[2..][..count],
-            down: &next[..count],
-            down_right: &next[1..][..count],
-            far_down: &last[..count],
-        }
-    }
-}
-
 /// The vector [m] from one point to another.
 #[inline(always)]
 fn vector(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
@@ -312,13 +288,17 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
             diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
             other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
         }
-        if BEND {
+    }
+    // In a loop of its own, for which there are registers with the places of all rows.
+    if BEND {
+        for i in 0..count {
+            let own = [x.own[i], y.own[i], z.own[i]];
             far_across[i] = square(vector(own, [x.far_right[i], y.far_right[i], z.far_right[i]]));
             far_down[i] = square(vector(own, [x.far_down[i], y.far_down[i], z.far_down[i]]));
-        }
-        if BEND && GUESS {
-            far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
-            far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
+            if GUESS {
+                far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
+                far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
+            }
         }
     }
 }
@@ -337,9 +317,9 @@ fn eval_lengths_and_bends(
     let (x, y, z) = (Ends::of(x, count), Ends::of(y, count), Ends::of(z, count));
     let [[across, down], [diagonal, other_diagonal], _] = squares;
     let [[across_guess, down_guess], [diagonal_guess, other_diagonal_guess], [across_c, along_c]] = guesses;
-    let (right_x, down_x) = (&mut far_x.right[PAD..][..count], &mut far_x.down[PAD..][..count]);
-    let (right_y, down_y) = (&mut far_y.right[PAD..][..count], &mut far_y.down[PAD..][..count]);
-    let (right_z, down_z) = (&mut far_z.right[PAD..][..count], &mut far_z.down[PAD..][..count]);
+    let (right_x, down_x) = (&mut far_x.right[PAD..][..count], &mut far_x.down[ABOVE..][..count]);
+    let (right_y, down_y) = (&mut far_y.right[PAD..][..count], &mut far_y.down[ABOVE..][..count]);
+    let (right_z, down_z) = (&mut far_z.right[PAD..][..count], &mut far_z.down[ABOVE..][..count]);
     for i in 0..count {
         let own = [x.own[i], y.own[i], z.own[i]];
         let right = [x.right[i], y.right[i], z.right[i]];
@@ -378,22 +358,28 @@ impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
         let Self { spring, twist, squares, arrays: (coefficients, stiffnesses) } = self;
-        eval_coefficients::<L, BOUNDED, TWISTED>(
-            (&spring.with_law(law), twist),
-            squares,
-            coefficients,
-            stiffnesses,
-        );
+        let spring = (spring.with_law(law), twist);
+        match spring.0.direction {
+            ForceDirection::CurrentLength => {
+                eval_coefficients::<L, BOUNDED, TWISTED, true>(spring, squares, coefficients, stiffnesses);
+            }
+            ForceDirection::RestLength => {
+                eval_coefficients::<L, BOUNDED, TWISTED, false>(spring, squares, coefficients, stiffnesses);
+            }
+        }
     }
 }
 
+/// A loop for each direction of the force, by the length of springs that is `CURRENT` or at rest, in which it is known.
 #[inline(always)]
-fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
-    (spring, twist): (&Spring<L>, f64),
+fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool, const CURRENT: bool>(
+    (spring, twist): (Spring<L>, f64),
     squares: &[f64],
     coefficients: &mut [f64],
     stiffnesses: &mut [f64],
 ) {
+    let direction = if CURRENT { ForceDirection::CurrentLength } else { ForceDirection::RestLength };
+    let spring = Spring { direction, ..spring };
     let count = coefficients.len();
     let squares = &squares[..count];
     let stiffnesses = &mut stiffnesses[..count];
@@ -447,14 +433,24 @@ fn eval_tensors<L: TensionLaw>(
 /// Clears the `values` of what are no springs since they lead out of the grid.
 #[inline(always)]
 fn clear_absent(values: &mut OfTile, shape: &Shape, tile: &Tile, grid: &Grid) {
-    let columns = tile.columns.len();
+    let Tile { rows, columns } = tile;
+    let (width, count) = (columns.len(), tile.len().min(TILE));
     // Up to two in a row, which are not worth a call.
-    let lacking = (tile.columns.end + shape.reach()).saturating_sub(grid.columns).min(columns);
-    for lack in 1..=lacking {
-        values[..tile.len()].iter_mut().skip(columns - lack).step_by(columns).for_each(|value| *value = 0.0);
+    for column in grid.columns.saturating_sub(shape.reach()).max(columns.start)..columns.end {
+        let mut at = column - columns.start;
+        while at < count {
+            values[at] = 0.0;
+            at += width;
+        }
     }
-    let below = grid.rows.saturating_sub(shape.rows).clamp(tile.rows.start, tile.rows.end);
-    values[(below - tile.rows.start) * columns..tile.len()].fill(0.0);
+    let below = grid.rows.saturating_sub(shape.rows).max(rows.start);
+    if below < rows.end {
+        let first = (below - rows.start) * width;
+        let absent = &mut values[first..][..(count - first).next_multiple_of(STRIDE)];
+        for eight in absent.as_chunks_mut::<STRIDE>().0 {
+            *eight = [0.0; STRIDE];
+        }
+    }
 }
 
 /// Halves the `values` of springs that lie along the edges of a grid: they stand for half as wide a strip of cloth.
@@ -462,16 +458,19 @@ fn clear_absent(values: &mut OfTile, shape: &Shape, tile: &Tile, grid: &Grid) {
 fn halve_edges(values: &mut OfTile, shape: &Shape, tile: &Tile, grid: &Grid) {
     let Tile { rows, columns } = tile;
     let count = columns.len();
-    let values = &mut values[..tile.len()];
     if shape.rows > 0 {
         let ends = [(columns.start == 0, 0), (columns.end == grid.columns, count - 1)];
         for (is_edge, column) in ends {
             if is_edge {
-                values[column..].iter_mut().step_by(count).for_each(|value| *value *= 0.5);
+                let mut at = column;
+                while at < tile.len().min(TILE) {
+                    values[at] *= 0.5;
+                    at += count;
+                }
             }
         }
     } else if rows.start == 0 || rows.end == grid.rows {
-        for (row, values) in rows.clone().zip(values.chunks_exact_mut(count)) {
+        for (row, values) in rows.clone().zip(values[..tile.len()].chunks_exact_mut(count)) {
             if row == 0 || row + 1 == grid.rows {
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }

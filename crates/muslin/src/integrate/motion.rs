@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::instructions::Vectorise;
-use crate::model::{ParticleStretch, Particles};
+use crate::model::{OtherParticle, ParticleStretch, Particles};
 use crate::points::dots_in_lanes;
 use crate::{Motion, PointsMut, State};
 
@@ -31,6 +31,25 @@ impl Factors {
             velocity: (twice_mass - drag * steps.next) / denominator,
             force: (steps.last + steps.next) / denominator,
         }
+    }
+}
+
+/// A particle that moves in another way than most of its stretch.
+#[derive(Clone, Copy, Default)]
+struct Other {
+    /// Its place in the block.
+    at: usize,
+    is_pinned: bool,
+    factors: Factors,
+    /// One coordinate of its position and velocity before most have moved.
+    before: [f64; 2],
+}
+
+impl Other {
+    /// In a block that begins with particle `first`.
+    fn new(other: &OtherParticle, first: usize, steps: Steps) -> Self {
+        let OtherParticle { particle, mass, drag, is_pinned } = *other;
+        Self { at: particle - first, is_pinned, factors: Factors::new(mass, drag, steps), before: [0.0; 2] }
     }
 }
 
@@ -88,14 +107,15 @@ impl Vectorise for MoveBlock<'_, '_> {
         if is_measured {
             moved.motion.power_before = power(particles, block, &axes, false);
         }
+        let mut others = [Other::default(); ParticleStretch::MAX_OTHERS];
         for stretch in particles.stretches(block) {
-            let mut others = [Factors::default(); ParticleStretch::MAX_OTHERS];
-            for (factors, other) in others.iter_mut().zip(stretch.others) {
-                *factors = Factors::new(other.mass, other.drag, steps);
+            let others = &mut others[..stretch.others.len()];
+            for (other, particle) in others.iter_mut().zip(stretch.others) {
+                *other = Other::new(particle, block.start, steps);
             }
-            let factors = (Factors::new(stretch.mass, stretch.drag, steps), &others);
+            let most = Factors::new(stretch.mass, stretch.drag, steps);
             for axis in &mut axes {
-                moved.is_finite &= axis.move_stretch(&stretch, block.start, factors, steps.next);
+                moved.is_finite &= axis.move_stretch(&stretch, block.start, (most, others), steps.next);
             }
         }
         if is_measured {
@@ -122,22 +142,20 @@ impl Axis<'_> {
     }
 
     /// Moves the particles of a `stretch` by `step` [s], in a block that begins with particle `first`; whether all
-    /// positions stay finite. The `factors` are those of most particles, and of all others.
+    /// positions stay finite. `most` are the factors of all but the `others`.
     #[inline(always)]
     fn move_stretch(
         &mut self,
         stretch: &ParticleStretch<'_>,
         first: usize,
-        (most, others): (Factors, &[Factors; ParticleStretch::MAX_OTHERS]),
+        (most, others): (Factors, &mut [Other]),
         step: f64,
     ) -> bool {
         let own = stretch.particles.start - first..stretch.particles.end - first;
-        let others = stretch.others.iter().map(|other| (other.particle - first, other.is_pinned)).zip(others);
-        let mut before = [(0.0, 0.0); ParticleStretch::MAX_OTHERS];
-        for (before, ((at, _), _)) in before.iter_mut().zip(others.clone()) {
-            *before = match self.from {
-                Some((positions, velocities)) => (positions[at], velocities[at]),
-                None => (self.positions[at], self.velocities[at]),
+        for other in &mut *others {
+            other.before = match self.from {
+                Some((positions, velocities)) => [positions[other.at], velocities[other.at]],
+                None => [self.positions[other.at], self.velocities[other.at]],
             };
         }
         let mut is_finite = if stretch.is_pinned {
@@ -156,7 +174,7 @@ impl Axis<'_> {
             }
         };
         // They have been moved as if they were like most.
-        for ((position, velocity), ((at, is_pinned), factors)) in before.into_iter().zip(others) {
+        for &mut Other { at, is_pinned, factors, before: [position, velocity] } in others {
             (self.positions[at], self.velocities[at]) = if is_pinned {
                 (position, 0.0)
             } else {
@@ -217,13 +235,13 @@ fn move_in_place(
 ) -> bool {
     let count = positions.len();
     let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
-    let mut finite = true;
+    let mut finite = u64::MAX;
     for i in 0..count {
         velocities[i] = factors.velocity * velocities[i] + factors.force * forces[i];
         positions[i] += step * velocities[i];
-        finite &= positions[i].is_finite();
+        finite &= mask(positions[i].is_finite());
     }
-    finite
+    finite == u64::MAX
 }
 
 /// The same with the same bits, from other positions and velocities.
@@ -239,13 +257,19 @@ fn move_from(
     let count = positions.len();
     let (from, from_velocities) = (&from[..count], &from_velocities[..count]);
     let (velocities, forces) = (&mut velocities[..count], &forces[..count]);
-    let mut finite = true;
+    let mut finite = u64::MAX;
     for i in 0..count {
         velocities[i] = factors.velocity * from_velocities[i] + factors.force * forces[i];
         positions[i] = from[i] + step * velocities[i];
-        finite &= positions[i].is_finite();
+        finite &= mask(positions[i].is_finite());
     }
-    finite
+    finite == u64::MAX
+}
+
+/// A truth as wide as a number, so that vectors of both have as many.
+#[inline(always)]
+fn mask(is_true: bool) -> u64 {
+    if is_true { u64::MAX } else { 0 }
 }
 
 /// All motions together, by twos as [`Workers::for_blocks`](super::Workers::for_blocks) combines them.

@@ -44,6 +44,7 @@ pub struct Model {
     limits: Vec<Box<dyn Limit>>,
     blocks: Vec<Range<usize>>,
     memory_layers: usize,
+    depends_on_velocity: bool,
     instructions: InstructionSet,
 }
 
@@ -130,7 +131,18 @@ impl Model {
         forces.extend(winds(&environment.winds, scene.run(), &grids, instructions));
         let blocks = cloths.iter().flat_map(|cloth| cloth.grid.blocks(BLOCK_PARTICLES)).collect();
         let memory_layers = forces.iter().map(|force| force.memory_layers()).max().unwrap_or(0);
-        Self { particles, moving_pins, cloths, forces, limits, blocks, memory_layers, instructions }
+        let depends_on_velocity = forces.iter().any(|force| force.depends_on_velocity());
+        Self {
+            particles,
+            moving_pins,
+            cloths,
+            forces,
+            limits,
+            blocks,
+            memory_layers,
+            depends_on_velocity,
+            instructions,
+        }
     }
 
     /// Masses, drags and pins.
@@ -166,7 +178,7 @@ impl Model {
     /// Whether any force is a function of velocities.
     #[must_use]
     pub fn depends_on_velocity(&self) -> bool {
-        self.forces.iter().any(|force| force.depends_on_velocity())
+        self.depends_on_velocity
     }
 
     /// Values that forces [remember](State::memory) per particle; zero if none does.

@@ -59,11 +59,11 @@ pub struct OtherParticle {
     pub is_pinned: bool,
 }
 
-/// Particles that are alike but for so many `others`.
+/// Particles that are alike but for `others`, whose places in the list of all of them these are.
 #[derive(Clone, Debug, PartialEq)]
 struct Stretch {
     alike: ParticleRun,
-    others: usize,
+    others: Range<usize>,
 }
 
 impl ParticleStretch<'_> {
@@ -75,6 +75,12 @@ impl ParticleRun {
     /// Whether its constants are those of `other`.
     fn is_like(&self, other: &Self) -> bool {
         self.mass == other.mass && self.drag == other.drag && self.is_pinned == other.is_pinned
+    }
+
+    /// Its particles as others of a stretch.
+    fn others(&self) -> impl Iterator<Item = OtherParticle> + use<> {
+        let Self { mass, drag, is_pinned, .. } = *self;
+        self.particles.clone().map(move |particle| OtherParticle { particle, mass, drag, is_pinned })
     }
 }
 
@@ -131,28 +137,22 @@ impl Particles {
     /// The particles of `block` in ascending order, in stretches of mostly equal ones: longer than runs where edges of a
     /// cloth or pins lie between.
     pub fn stretches(&self, block: &Range<usize>) -> impl Iterator<Item = ParticleStretch<'_>> + '_ {
-        let block = block.clone();
-        let first = self.stretches.partition_point(|stretch| stretch.alike.particles.end <= block.start);
+        let Range { start, end } = *block;
+        let first = self.stretches.partition_point(|stretch| stretch.alike.particles.end <= start);
         let stretches = self.stretches[first..].iter();
-        let stretches = stretches.take_while({
-            let end = block.end;
-            move |stretch| stretch.alike.particles.start < end
-        });
-        stretches.flat_map(move |Stretch { alike, .. }| {
-            let Range { start, end } = alike.particles;
-            let (mut start, end) = (start.max(block.start), end.min(block.end));
-            let place = |particle: usize| self.others.partition_point(|other| other.particle < particle);
-            let mut others = &self.others[place(start)..place(end)];
-            std::iter::from_fn(move || {
-                if start == end {
-                    return None;
-                }
-                let (own, rest) = others.split_at(others.len().min(ParticleStretch::MAX_OTHERS));
-                let particles = start..rest.first().map_or(end, |other| other.particle);
-                (start, others) = (particles.end, rest);
-                let ParticleRun { mass, drag, is_pinned, .. } = *alike;
-                Some(ParticleStretch { particles, mass, drag, is_pinned, others: own })
-            })
+        let stretches = stretches.take_while(move |stretch| stretch.alike.particles.start.max(start) < end);
+        stretches.map(move |Stretch { alike, others }| {
+            let ParticleRun { mass, drag, is_pinned, particles } = alike;
+            let mut others = &self.others[others.clone()];
+            // Most blocks have all of a stretch, or at least its beginning.
+            if particles.start < start {
+                others = &others[others.partition_point(|other| other.particle < start)..];
+            }
+            if end < particles.end {
+                others = &others[..others.partition_point(|other| other.particle < end)];
+            }
+            let particles = particles.start.max(start)..particles.end.min(end);
+            ParticleStretch { particles, mass: *mass, drag: *drag, is_pinned: *is_pinned, others }
         })
     }
 
@@ -180,25 +180,29 @@ impl Particles {
         self.stretches.clear();
         self.others.clear();
         for run in &self.runs {
-            let count = run.particles.len();
+            let (count, known) = (run.particles.len(), self.others.len());
             match self.stretches.last_mut() {
                 Some(Stretch { alike, .. }) if run.is_like(alike) => alike.particles.end = run.particles.end,
-                // What is twice as rare as the rest.
                 Some(Stretch { alike, others })
-                    if count < Self::LONG_RUN && 3 * (*others + count) <= alike.particles.len() + count =>
+                    if count < Self::LONG_RUN
+                        && others.len() + count <= ParticleStretch::MAX_OTHERS
+                        && 3 * (others.len() + count) <= alike.particles.len() + count =>
                 {
+                    self.others.extend(run.others());
+                    others.end = self.others.len();
                     alike.particles.end = run.particles.end;
-                    *others += count;
-                    let ParticleRun { mass, drag, is_pinned, .. } = *run;
-                    let particles = run.particles.clone();
-                    self.others.extend(particles.map(|particle| OtherParticle {
-                        particle,
-                        mass,
-                        drag,
-                        is_pinned,
-                    }));
                 }
-                _ => self.stretches.push(Stretch { alike: run.clone(), others: 0 }),
+                // A few come before those that are like most.
+                Some(Stretch { alike, others })
+                    if alike.particles.len() < Self::LONG_RUN
+                        && others.start == others.end
+                        && 2 * alike.particles.len() <= count =>
+                {
+                    self.others.extend(alike.others());
+                    others.end = self.others.len();
+                    *alike = ParticleRun { particles: alike.particles.start..run.particles.end, ..*run };
+                }
+                _ => self.stretches.push(Stretch { alike: run.clone(), others: known..known }),
             }
         }
     }
@@ -307,8 +311,8 @@ mod tests {
         particles.find_runs();
         let all = 0..particles.len();
         let others: Vec<usize> = particles.stretches(&all).map(|stretch| stretch.others.len()).collect();
-        // A corner; the first row with another, and the end below, which is like it; the inner rows with 37 pairs of ends, a
-        // pin, a lone end and a corner; the last row with a corner.
-        assert_eq!(others, [0, 1, 32, 32, 74 + 3 - 64, 1], "of {} runs", particles.runs(&all).count());
+        // The first row with its corners, and the end below, which is like it; sixteen ends of two rows each with the inner rows
+        // between, fifteen with the pin, six with a lone end and a corner; the last row with a corner.
+        assert_eq!(others, [2, 32, 30 + 1, 12 + 2, 1], "of {} runs", particles.runs(&all).count());
     }
 }
