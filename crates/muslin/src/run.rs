@@ -233,8 +233,10 @@ impl Simulation {
         }
         self.integrator.velocities(&self.model, &self.state, &mut self.velocities);
         // Forces overflow earlier than positions do; a frame must not show it.
-        if let Some(particle) = self.velocities.iter().position(|velocity| !velocity.is_finite()) {
-            return Err(StepError::NotFinite { particle, time: self.state.time });
+        if !self.velocities.is_finite() {
+            let particle = self.velocities.iter().position(|velocity| !velocity.is_finite());
+            let (particle, time) = (particle.unwrap_or_default(), self.state.time);
+            return Err(StepError::NotFinite { particle, time });
         }
         self.frame_index += 1;
         self.observe(observers);

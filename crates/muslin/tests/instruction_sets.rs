@@ -28,12 +28,13 @@ const SIZES: [(usize, usize); 12] = [
     (2, 40),
 ];
 
-const LAWS: [[&str; 3]; 5] = [
+const LAWS: [[&str; 3]; 6] = [
     ["law = \"linear\"", "law = \"linear\"", "law = \"linear\""],
     ["law = \"tangent\", strain_scale = 0.06", "law = \"linear\"", "law = \"arctangent-force\""],
     ["law = \"linear\"", "law = \"tangent\", strain_scale = 0.3", "law = \"tangent\", strain_scale = 0.5"],
     [CURVE, "law = \"linear\"", CURVE],
     ["law = \"arctangent-force\"", CURVE, "law = \"linear\""],
+    ["law = \"tangent\", strain_scale = 0.06", "law = \"linear\"", "law = \"linear\""],
 ];
 
 /// Two cloths side by side, of which one has springs of other families and another size; the one of `columns` and `rows` is the

@@ -226,7 +226,7 @@ fn eval_bounds<const SHEAR: bool, const BEND: bool>(
 ) {
     let count = tile.padded_len().min(TILE);
     let weights = Ends::of(weights, count);
-    let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = &springs.stiffnesses;
+    let [[across, down], [diagonal, other_diagonal], [far_across, far_down]] = springs.stiffnesses();
     let pulls_own = &mut pulls.own[PAD..][..count];
     let pulls_right = &mut pulls.right[PAD..][..count];
     let pulls_down = &mut pulls.down[ABOVE..][..count];
@@ -251,6 +251,45 @@ fn eval_bounds<const SHEAR: bool, const BEND: bool>(
         }
         pulls_own[i] = sum;
     }
+}
+
+/// What [`Pulls::eval_bounds`] and [`Pulls::add_to_tile`] do, with the same bits, where no other springs than structural ones vary
+/// and no particle is pinned: adds their stiffness [N/m] to the `bounds` on a strip, and passes on to the `next` row. What the tile
+/// leaves to the one beside it.
+#[inline(always)]
+pub(super) fn add_structural_bounds(
+    springs: &TileSprings,
+    border: Border,
+    tile: &Tile,
+    bounds: Option<&mut [f64]>,
+    next: &mut [f64],
+) -> Border {
+    let [across, down] = &springs.stiffnesses()[0];
+    let (count, columns) = (tile.len().min(TILE), tile.columns.len());
+    let (across, down) = (&across[..count], &down[..count]);
+    let last = count - columns;
+    if let Some(bounds) = bounds {
+        let first = tile.columns.start;
+        let bounds = &mut bounds[first..first + count];
+        // Both ends are free, and have it twice.
+        bounds[0] += 2.0 * (across[0] + down[0]) + border.right - next[0];
+        {
+            let (left, across, down) = (&across[..columns - 1], &across[1..columns], &down[1..columns]);
+            let (bounds, next) = (&mut bounds[1..columns], &next[1..columns]);
+            for i in 0..bounds.len() {
+                bounds[i] += 2.0 * (across[i] + down[i] + left[i]) - next[i];
+            }
+        }
+        let (left, across, above) = (&across[columns - 1..][..last], &across[columns..], &down[..last]);
+        let (bounds, down) = (&mut bounds[columns..], &down[columns..]);
+        for i in 0..bounds.len() {
+            bounds[i] += 2.0 * (across[i] + down[i] + left[i] + above[i]);
+        }
+    }
+    for (next, down) in next.iter_mut().zip(&down[last..]) {
+        *next = -(2.0 * down);
+    }
+    Border { right: 2.0 * across[count - 1], ..Border::default() }
 }
 
 /// Adds all forces [N] along one axis on a row of particles, and passes on.

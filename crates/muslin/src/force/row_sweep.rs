@@ -8,7 +8,7 @@ use std::iter::successors;
 use std::ops::Range;
 
 use super::grid_springs::{GridFamily, GridSprings};
-use super::row_sums::{Border, FarPulls, Pending, Pulls, TileBending};
+use super::row_sums::{Border, FarPulls, Pending, Pulls, TileBending, add_structural_bounds};
 use super::tile::{EndCopies, TILE, Tile, Weights, has_none_above};
 use super::tile_springs::TileSprings;
 use super::{Configuration, GridBending, StiffnessTensors};
@@ -82,6 +82,8 @@ pub(super) struct TileMemory {
     pub(super) far: [FarPulls; 3],
     bound_pulls: Pulls,
     far_bounds: FarPulls,
+    /// Of three entries of tensors.
+    pub(super) tensor_pulls: [Pulls; 3],
     pub(super) end_copies: EndCopies,
     pub(super) weights: Weights,
 }
@@ -117,7 +119,10 @@ impl Vectorise for RowSweep<'_, '_> {
         let tile = tile.get_or_insert_with(TileMemory::new);
         let swept = springs.swept();
         let varies = swept.map(|directions| directions.into_iter().any(varies));
-        let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded };
+        let (first, end) = (rows.start.saturating_sub(2), rows.end + 2);
+        let near = springs.grid.particle(0, first)..springs.grid.particle(0, end);
+        let has_pins = is_bounded && at.particles.runs(&near).any(|run| run.is_pinned);
+        let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded, has_pins };
         if starts {
             pass.start(rows.start);
         }
@@ -143,6 +148,7 @@ impl TileMemory {
             far: [FarPulls::ZERO; 3],
             bound_pulls: Pulls::ZERO,
             far_bounds: FarPulls::ZERO,
+            tensor_pulls: [Pulls::ZERO; 3],
             end_copies: EndCopies::ZERO,
             weights: Weights::ZERO,
         })
@@ -159,6 +165,8 @@ struct RowPass<'a> {
     tile: &'a mut TileMemory,
     kept: &'a mut [KeptRow; 2],
     is_bounded: bool,
+    /// Whether any particle is pinned that springs of these rows may end at.
+    has_pins: bool,
 }
 
 impl RowPass<'_> {
@@ -170,8 +178,8 @@ impl RowPass<'_> {
             self.tile.far.fill(FarPulls::ZERO);
         }
         if self.is_bounded {
-            self.tile.bound_pulls = Pulls::ZERO;
             self.tile.far_bounds = FarPulls::ZERO;
+            self.tile.bound_pulls.down_right.fill(0.0);
         }
         // The first strip of a narrow grid reads nothing of it.
         let is_read = !has_none_above(&self.springs.grid, first_row);
@@ -198,7 +206,7 @@ impl RowPass<'_> {
     ) {
         let mut borders = [Border::default(); 4];
         for tile in Tile::of(&self.springs.grid, &rows) {
-            let TileMemory { springs, pulls, far, bound_pulls, far_bounds, end_copies, weights } =
+            let TileMemory { springs, pulls, far, bound_pulls, far_bounds, end_copies, weights, .. } =
                 &mut *self.tile;
             let grid = &self.springs.grid;
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
@@ -243,14 +251,21 @@ impl RowPass<'_> {
                 pulls.add_to_tile(far, &tile, grid, forces, pending);
             }
             if self.is_bounded {
-                let weights = weights.eval(&tile, grid, self.at.particles);
-                bound_pulls.eval_bounds(far_bounds, springs, self.varies, weights, borders[3], &tile);
-                borders[3] = bound_pulls.border(far_bounds, tile.columns.len());
                 let pending = Pending {
                     next: &mut next.bounds[tile.columns.clone()],
                     after: &mut after.bounds[tile.columns.clone()],
                 };
-                bound_pulls.add_to_tile(far_bounds, &tile, grid, bounds.as_deref_mut(), pending);
+                let particles = self.at.particles;
+                let is_simple = !self.varies[1] && !self.varies[2];
+                if is_simple && (!self.has_pins || tile.is_free(grid, particles)) {
+                    let bounds = bounds.as_deref_mut();
+                    borders[3] = add_structural_bounds(springs, borders[3], &tile, bounds, pending.next);
+                } else {
+                    let (weights, _) = weights.eval(&tile, grid, particles);
+                    bound_pulls.eval_bounds(far_bounds, springs, self.varies, weights, borders[3], &tile);
+                    borders[3] = bound_pulls.border(far_bounds, tile.columns.len());
+                    bound_pulls.add_to_tile(far_bounds, &tile, grid, bounds.as_deref_mut(), pending);
+                }
             }
         }
     }

@@ -134,6 +134,10 @@ impl<L: TensionLaw> Spring<L> {
                 [(tangent * at.length + tension) * inverse, tension * inverse]
             }
         };
+        if self.law.only_stiffens() && self.direction == ForceDirection::CurrentLength {
+            let across = if across < 0.0 { 0.0 } else { across };
+            return [along, if at.inverse == 0.0 { along } else { across }];
+        }
         // Comparisons in place of `max`, which would pass over what is not a number.
         let [along, across] = [along, across].map(|stiffness| if stiffness < 0.0 { 0.0 } else { stiffness });
         let larger = if along < across { across } else { along };
@@ -148,7 +152,11 @@ impl<L: TensionLaw> Spring<L> {
         let (tension, tangent) = self.law.tension_and_tangent(at.length - self.rest_length, self.rest_length);
         let (coefficient, axial) = match self.direction {
             ForceDirection::CurrentLength => {
-                (self.law.tension_by_length(tension, at, self.rest_length), tangent)
+                let coefficient = self.law.tension_by_length(tension, at, self.rest_length);
+                if self.law.only_stiffens() {
+                    return (coefficient, tangent);
+                }
+                (coefficient, tangent)
             }
             ForceDirection::RestLength => {
                 let inverse = 1.0 / self.rest_length;
@@ -282,6 +290,34 @@ mod tests {
                 assert!(error < 1e-5, "{spring:?} at {vector}: {error:e}");
             }
         }
+    }
+
+    /// What a law is known for saves comparisons, and changes no bit.
+    #[test]
+    fn stiffness_is_the_largest_in_any_direction() {
+        let lengths = cases().into_iter().map(|(spring, vector)| (spring, SpringLength::of(vector)));
+        let coincident = cases().into_iter().map(|(spring, _)| (spring, SpringLength::of(DVec3::ZERO)));
+        for (spring, at) in lengths.chain(coincident) {
+            let (found, stiffnesses) = match &spring.law {
+                SpringLaw::Linear(law) => of(&spring.with_law(law), at),
+                SpringLaw::Tangent(law) => of(&spring.with_law(law), at),
+                law => of(&spring.with_law(law), at),
+            };
+            let (axial, coefficient) = (spring.axial_tangent(at.length), spring.coefficient(at));
+            let scale = axial.abs().max(coefficient.abs());
+            assert!((found - axial.max(coefficient).max(0.0)).abs() <= 1e-15 * scale, "{spring:?} at {at:?}");
+            let across = if at.inverse == 0.0 { found } else { coefficient.max(0.0) };
+            let errors = [stiffnesses[0] - axial.max(0.0), stiffnesses[1] - across];
+            assert!(
+                errors.iter().all(|error| error.abs() <= 1e-15 * scale),
+                "{spring:?} at {at:?}: {errors:?}"
+            );
+        }
+    }
+
+    /// The largest stiffness, and those along and across.
+    fn of(spring: &Spring<impl TensionLaw>, at: SpringLength) -> (f64, [f64; 2]) {
+        (spring.coefficient_and_stiffness(at).1, spring.stiffnesses(at))
     }
 
     /// Over all magnitudes that lengths can have, within two units of the last place.

@@ -53,16 +53,12 @@ impl StiffnessTensors {
         }
     }
 
-    /// The arrays of the entries xx, yy, zz, yz, xz and xy.
-    pub(super) fn entries_mut(&mut self) -> [&mut [f64]; 6] {
+    /// The arrays of the entries xx, xy and xz, and of yy, yz and zz.
+    pub(super) fn rows_mut(&mut self) -> [[&mut [f64]; 3]; 2] {
         let Self { diagonal, off_diagonal } = self;
         [
-            &mut diagonal.x,
-            &mut diagonal.y,
-            &mut diagonal.z,
-            &mut off_diagonal.x,
-            &mut off_diagonal.y,
-            &mut off_diagonal.z,
+            [&mut diagonal.x, &mut off_diagonal.z, &mut off_diagonal.y],
+            [&mut diagonal.y, &mut off_diagonal.x, &mut diagonal.z],
         ]
     }
 }
@@ -77,10 +73,10 @@ pub struct StiffnessTensorsMut<'a> {
 }
 
 impl StiffnessTensorsMut<'_> {
-    /// The arrays of the entries xx, yy, zz, yz, xz and xy.
-    pub(super) fn entries_mut(&mut self) -> [&mut [f64]; 6] {
+    /// The arrays of the entries xx, xy and xz, and of yy, yz and zz.
+    pub(super) fn rows_mut(&mut self) -> [[&mut [f64]; 3]; 2] {
         let Self { diagonal, off_diagonal } = self;
-        [diagonal.x, diagonal.y, diagonal.z, off_diagonal.x, off_diagonal.y, off_diagonal.z]
+        [[diagonal.x, off_diagonal.z, off_diagonal.y], [diagonal.y, off_diagonal.x, diagonal.z]]
     }
 
     /// Makes every entry zero.

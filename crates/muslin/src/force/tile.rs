@@ -68,6 +68,15 @@ impl Tile {
         [own..own + count + 2, next..next + count + 1, last..last + count]
     }
 
+    /// Whether no particle is pinned of those that its springs join, with some more.
+    #[inline(always)]
+    pub(super) fn is_free(&self, grid: &Grid, particles: &Particles) -> bool {
+        let rows = self.neighbourhood(grid);
+        let has_pin = |row: &Range<usize>| particles.runs(row).any(|run| run.is_pinned);
+        // Most often there is no pin anywhere near.
+        !has_pin(&(rows[0].start..rows[2].end)) || !rows.iter().any(has_pin)
+    }
+
     /// Number of its particles, at most [`TILE`].
     pub(super) fn len(&self) -> usize {
         self.rows.len() * self.columns.len()
@@ -178,21 +187,27 @@ pub(super) struct Weights {
 impl Weights {
     pub(super) const ZERO: Self = Self { rows: [[0.0; TILE + 2]; 3], are_free: false };
 
-    /// Those of a `tile` of `grid`.
+    /// Those of a `tile` of `grid`, and whether all of them are free: [`columns`] of a free neighbour.
     #[inline(always)]
-    pub(super) fn eval(&mut self, tile: &Tile, grid: &Grid, particles: &Particles) -> Coordinates<'_> {
-        let pinned = particles.pinned();
-        let rows = tile.neighbourhood(grid).map(|row| row.start.min(pinned.len())..row.end.min(pinned.len()));
-        let are_free = !rows.iter().any(|row| particles.runs(row).any(|run| run.is_pinned));
+    pub(super) fn eval(
+        &mut self,
+        tile: &Tile,
+        grid: &Grid,
+        particles: &Particles,
+    ) -> (Coordinates<'_>, bool) {
+        let are_free = tile.is_free(grid, particles);
         if !(are_free && self.are_free) {
-            for (weights, row) in self.rows.iter_mut().zip(rows) {
+            let pinned = particles.pinned();
+            for (weights, row) in self.rows.iter_mut().zip(tile.neighbourhood(grid)) {
                 weights.fill(columns(false));
-                for (weight, &is_pinned) in weights.iter_mut().zip(&pinned[row]) {
+                for (weight, &is_pinned) in
+                    weights.iter_mut().zip(pinned.iter().take(row.end).skip(row.start))
+                {
                     *weight = columns(is_pinned);
                 }
             }
             self.are_free = are_free;
         }
-        Coordinates::of_copies(&self.rows, tile.padded_len())
+        (Coordinates::of_copies(&self.rows, tile.padded_len()), are_free)
     }
 }

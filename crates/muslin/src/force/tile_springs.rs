@@ -34,22 +34,19 @@ const ZERO: OfSprings = [[[0.0; ROOM]; 2]; 3];
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct TileSprings {
-    /// Squared lengths [m²].
+    /// Squared lengths [m²], in whose place come [stiffnesses](Self::stiffnesses).
     squares: OfSprings,
     /// First guesses of the inverse lengths [1/m], in whose place come coefficients c [N/m] of the forces: F = c d with the
     /// vector d from end to end; zero where there is no spring. In the places of bend springs also b_x and b_y of a rigidity
     /// [N/m]. Or those of [tensors](Self::eval_tensors), c [N/m³].
     pub(super) coefficients: OfSprings,
-    /// Stiffness [N/m], where it varies; for tensors that across the springs, zero where there is none.
-    pub(super) stiffnesses: OfSprings,
     /// The tile of inner rows, by their number and the columns, whose coefficients of a rigidity are in the places of bend
     /// springs; the next one like it need not set them again.
     rigid_tile: Option<(usize, Range<usize>)>,
 }
 
 impl TileSprings {
-    pub(super) const ZERO: Self =
-        Self { squares: ZERO, coefficients: ZERO, stiffnesses: ZERO, rigid_tile: None };
+    pub(super) const ZERO: Self = Self { squares: ZERO, coefficients: ZERO, rigid_tile: None };
 
     /// Forgets what is of another grid.
     pub(super) fn restart(&mut self) {
@@ -147,9 +144,7 @@ impl TileSprings {
         grid: &Grid,
     ) {
         let count = tile.padded_len();
-        let Some(Place { group, spring, squares, coefficients, stiffnesses }) =
-            self.place(place, group, count)
-        else {
+        let Some(Place { group, spring, squares, coefficients }) = self.place(place, group, count) else {
             if twist != 0.0 {
                 let [index, direction] = place;
                 let lines = if index == 0 { Lines::Inner } else { Lines::All };
@@ -160,49 +155,53 @@ impl TileSprings {
             return;
         };
         let varies = bounded && !group.has_constant_stiffness();
-        let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
+        let arrays = (&mut coefficients[..count], &mut squares[..count]);
         match (varies, twist != 0.0) {
             (false, false) => {
-                group.law.visit(EvalCoefficients::<false, false> { spring, twist, squares, arrays });
+                group.law.visit(EvalCoefficients::<false, false> { spring, twist, arrays });
             }
             (false, true) => {
-                group.law.visit(EvalCoefficients::<false, true> { spring, twist, squares, arrays });
+                group.law.visit(EvalCoefficients::<false, true> { spring, twist, arrays });
             }
             (true, false) => {
-                group.law.visit(EvalCoefficients::<true, false> { spring, twist, squares, arrays });
+                group.law.visit(EvalCoefficients::<true, false> { spring, twist, arrays });
             }
             (true, true) => {
-                group.law.visit(EvalCoefficients::<true, true> { spring, twist, squares, arrays });
+                group.law.visit(EvalCoefficients::<true, true> { spring, twist, arrays });
             }
         }
         mend(coefficients, group.lines, place, tile, grid);
         if varies {
-            mend(stiffnesses, group.lines, place, tile, grid);
+            mend(squares, group.lines, place, tile, grid);
         } else if bounded {
-            stiffnesses[..count].fill(0.0);
+            squares[..count].fill(0.0);
         }
     }
 
-    /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of: coefficients c, and stiffnesses
-    /// a [N/m] across them.
+    /// Stiffness [N/m] in place of squared lengths, where it varies; for tensors that across the springs, zero where there is none.
+    #[inline(always)]
+    pub(super) fn stiffnesses(&self) -> &OfSprings {
+        &self.squares
+    }
+
+    /// Finds, for the same springs, what their stiffness tensors c d dᵀ + a 1 are made of, times a `weight`: coefficients c, and
+    /// stiffnesses a [N/m] across them.
     #[inline(always)]
     pub(super) fn eval_tensors(
         &mut self,
         place: [usize; 2],
-        group: Option<&GridFamily>,
+        (group, weight): (Option<&GridFamily>, f64),
         tile: &Tile,
         grid: &Grid,
     ) {
         let count = tile.padded_len();
-        let Some(Place { group, spring, squares, coefficients, stiffnesses }) =
-            self.place(place, group, count)
-        else {
+        let Some(Place { group, spring, squares, coefficients }) = self.place(place, group, count) else {
             return;
         };
-        let arrays = (&mut coefficients[..count], &mut stiffnesses[..count]);
-        group.law.visit(EvalTensors { spring, squares, arrays });
+        let arrays = (&mut coefficients[..count], &mut squares[..count]);
+        group.law.visit(EvalTensors { spring, weight, arrays });
         mend(coefficients, group.lines, place, tile, grid);
-        mend(stiffnesses, group.lines, place, tile, grid);
+        mend(squares, group.lines, place, tile, grid);
     }
 
     /// The springs in a place, of the first `count` particles; without any, all that is kept of them becomes zero.
@@ -213,16 +212,15 @@ impl TileSprings {
         group: Option<&'a GridFamily>,
         count: usize,
     ) -> Option<Place<'a>> {
-        let squares = &self.squares[index][direction][..count];
+        let squares = &mut self.squares[index][direction];
         let coefficients = &mut self.coefficients[index][direction];
-        let stiffnesses = &mut self.stiffnesses[index][direction];
         let spring = group.and_then(|group| Some((group, group.spring_of((), direction)?)));
         let Some((group, spring)) = spring else {
             coefficients[..count].fill(0.0);
-            stiffnesses[..count].fill(0.0);
+            squares[..count].fill(0.0);
             return None;
         };
-        Some(Place { group, spring, squares, coefficients, stiffnesses })
+        Some(Place { group, spring, squares, coefficients })
     }
 }
 
@@ -231,9 +229,8 @@ struct Place<'a> {
     group: &'a GridFamily,
     /// But for its law.
     spring: Spring<()>,
-    squares: &'a [f64],
+    squares: &'a mut OfTile,
     coefficients: &'a mut OfTile,
-    stiffnesses: &'a mut OfTile,
 }
 
 /// Clears the `values` of what are no springs, and halves those of springs along edges if these are in other `lines`, and half
@@ -345,26 +342,27 @@ fn eval_lengths_and_bends(
     }
 }
 
-/// Finds coefficients, if `TWISTED` with that of a twist [N/m], and if `BOUNDED` stiffnesses [N/m] of springs under one law.
+/// Finds coefficients, if `TWISTED` with that of a twist [N/m], and if `BOUNDED` in place of squared lengths stiffnesses [N/m] of springs
+/// under one law.
 struct EvalCoefficients<'a, const BOUNDED: bool, const TWISTED: bool> {
     /// But for its law.
     spring: Spring<()>,
     twist: f64,
-    squares: &'a [f64],
+    /// Of coefficients, and of squared lengths.
     arrays: (&'a mut [f64], &'a mut [f64]),
 }
 
 impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'_, BOUNDED, TWISTED> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        let Self { spring, twist, squares, arrays: (coefficients, stiffnesses) } = self;
+        let Self { spring, twist, arrays: (coefficients, squares) } = self;
         let spring = (spring.with_law(law), twist);
         match spring.0.direction {
             ForceDirection::CurrentLength => {
-                eval_coefficients::<L, BOUNDED, TWISTED, true>(spring, squares, coefficients, stiffnesses);
+                eval_coefficients::<L, BOUNDED, TWISTED, true>(spring, squares, coefficients);
             }
             ForceDirection::RestLength => {
-                eval_coefficients::<L, BOUNDED, TWISTED, false>(spring, squares, coefficients, stiffnesses);
+                eval_coefficients::<L, BOUNDED, TWISTED, false>(spring, squares, coefficients);
             }
         }
     }
@@ -374,20 +372,18 @@ impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'
 #[inline(always)]
 fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool, const CURRENT: bool>(
     (spring, twist): (Spring<L>, f64),
-    squares: &[f64],
+    squares: &mut [f64],
     coefficients: &mut [f64],
-    stiffnesses: &mut [f64],
 ) {
     let direction = if CURRENT { ForceDirection::CurrentLength } else { ForceDirection::RestLength };
     let spring = Spring { direction, ..spring };
     let count = coefficients.len();
-    let squares = &squares[..count];
-    let stiffnesses = &mut stiffnesses[..count];
+    let squares = &mut squares[..count];
     for i in 0..count {
         let length = SpringLength::from_guess(squares[i], coefficients[i]);
         let coefficient = if BOUNDED {
             let (coefficient, stiffness) = spring.coefficient_and_stiffness(length);
-            stiffnesses[i] = stiffness;
+            squares[i] = stiffness;
             coefficient
         } else {
             spring.coefficient(length)
@@ -400,33 +396,34 @@ fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool, co
 struct EvalTensors<'a> {
     /// But for its law.
     spring: Spring<()>,
-    squares: &'a [f64],
+    weight: f64,
+    /// Of coefficients, and of squared lengths.
     arrays: (&'a mut [f64], &'a mut [f64]),
 }
 
 impl LawVisitor for EvalTensors<'_> {
     #[inline(always)]
     fn visit<L: TensionLaw>(self, law: L) {
-        let Self { spring, squares, arrays: (coefficients, stiffnesses) } = self;
-        eval_tensors(&spring.with_law(law), squares, coefficients, stiffnesses);
+        let Self { spring, weight, arrays: (coefficients, squares) } = self;
+        eval_tensors(&spring.with_law(law), weight, squares, coefficients);
     }
 }
 
 #[inline(always)]
 fn eval_tensors<L: TensionLaw>(
     spring: &Spring<L>,
-    squares: &[f64],
+    weight: f64,
+    squares: &mut [f64],
     coefficients: &mut [f64],
-    stiffnesses: &mut [f64],
 ) {
     let count = coefficients.len();
-    let squares = &squares[..count];
-    let stiffnesses = &mut stiffnesses[..count];
+    let squares = &mut squares[..count];
     for i in 0..count {
         let length = SpringLength::from_guess(squares[i], coefficients[i]);
         let [along, across] = spring.stiffnesses(length);
-        coefficients[i] = (along - across) * length.inverse * length.inverse;
-        stiffnesses[i] = across;
+        let inverse = length.inverse;
+        coefficients[i] = weight * (along - across) * inverse * inverse;
+        squares[i] = weight * across;
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Workers;
-use super::stability::{configuration, larger, largest_damping_rate, largest_rate, stable_step};
+use super::stability::{configuration, larger, largest_damping_rate, stable_step};
 use super::workers::for_each_block;
 use crate::force::{Configuration, StiffnessTensors, Sweep};
 use crate::instructions::Vectorise;
@@ -54,10 +54,8 @@ impl BlockBound {
             helper.sweep.restart();
             let eval_block = |block: &Range<usize>, corrections: &mut [f64]| {
                 helper.eval(model, at, block, corrections);
-                let largest = largest_rate(at.particles, block, corrections);
-                let varying = varying.get(block.clone()).unwrap_or_default();
-                corrections.iter_mut().zip(varying).for_each(|(correction, bound)| *correction -= bound);
-                largest
+                let (particles, varying) = (at.particles, varying.get(block.clone()).unwrap_or_default());
+                model.instructions().run(Settle { particles, block, varying, corrections })
             };
             for_each_block(blocks, corrections, eval_block, larger)
         };
@@ -98,6 +96,35 @@ impl Helper {
     }
 }
 
+/// Finds the largest ratio of bound and mass over the free particles of a block, whose `corrections` hold the bounds, and takes off what
+/// of these varies now.
+struct Settle<'a, 'b> {
+    particles: &'a Particles,
+    block: &'a Range<usize>,
+    /// Bounds [N/m] on the particles of the block; empty if nothing varies.
+    varying: &'a [f64],
+    corrections: &'b mut [f64],
+}
+
+impl Vectorise for Settle<'_, '_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { particles, block, varying, corrections } = self;
+        let mut rate = 0.0;
+        for run in particles.runs(block).filter(|run| !run.is_pinned) {
+            let own = run.particles.start - block.start..run.particles.end - block.start;
+            let bounds = &corrections[own];
+            rate = larger(rate, largest_in_lanes(bounds, bounds)[0] / run.mass);
+        }
+        for (correction, bound) in corrections.iter_mut().zip(varying) {
+            *correction -= bound;
+        }
+        rate
+    }
+}
+
 /// Largest ratios of bound and mass over the free particles of a block.
 struct LargestRates<'a> {
     particles: &'a Particles,
@@ -130,33 +157,59 @@ impl Vectorise for LargestRates<'_> {
 /// The largest of `bounds`, and of bounds and `corrections` together, and zero at least; NaN where any of these is.
 #[inline(always)]
 fn largest_in_lanes(bounds: &[f64], corrections: &[f64]) -> [f64; 2] {
-    const LANES: usize = 8;
-    let raised = |largest: f64, value: f64| if largest < value { value } else { largest };
-    let (mut uncorrected, mut corrected) = ([0.0; LANES], [0.0; LANES]);
-    // Comparisons pass over what is not a number, sums do not.
-    let mut sums = [[0.0; LANES]; 2];
-    let (bounds, bounds_rest) = bounds.as_chunks::<LANES>();
-    let (corrections, corrections_rest) = corrections.as_chunks::<LANES>();
-    for (bounds, corrections) in bounds.iter().zip(corrections) {
-        for lane in 0..LANES {
+    let mut lanes = Lanes::default();
+    let (chunks, bounds_rest) = bounds.as_chunks::<LANES>();
+    let (correction_chunks, corrections_rest) = corrections.as_chunks::<LANES>();
+    let correction_chunks = &correction_chunks[..chunks.len()];
+    for i in 0..chunks.len() {
+        lanes.raise(&chunks[i], &correction_chunks[i]);
+    }
+    lanes.raise(bounds_rest, corrections_rest);
+    let largest = lanes.largest();
+    if largest[1].is_nan() { largest_with_nan(bounds, corrections) } else { largest }
+}
+
+const LANES: usize = 8;
+
+/// Largest values so far, lane by lane.
+#[derive(Default)]
+struct Lanes {
+    uncorrected: [f64; LANES],
+    corrected: [f64; LANES],
+    /// Comparisons pass over what is not a number, sums do not.
+    sums: [f64; LANES],
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn raise(&mut self, bounds: &[f64], corrections: &[f64]) {
+        for lane in 0..bounds.len().min(corrections.len()).min(LANES) {
             let sum = bounds[lane] + corrections[lane];
-            uncorrected[lane] = raised(uncorrected[lane], bounds[lane]);
-            corrected[lane] = raised(corrected[lane], sum);
-            sums[0][lane] += bounds[lane];
-            sums[1][lane] += sum;
+            self.uncorrected[lane] = raised(self.uncorrected[lane], bounds[lane]);
+            self.corrected[lane] = raised(self.corrected[lane], sum);
+            self.sums[lane] += sum;
         }
     }
-    for (lane, (bound, correction)) in bounds_rest.iter().zip(corrections_rest).enumerate() {
-        let sum = bound + correction;
-        uncorrected[lane] = raised(uncorrected[lane], *bound);
-        corrected[lane] = raised(corrected[lane], sum);
-        sums[0][lane] += bound;
-        sums[1][lane] += sum;
+
+    /// Called once at the end of a loop, and not inlined: seeing how lanes end, the compiler would take them apart in every turn.
+    #[inline(never)]
+    fn largest(self) -> [f64; 2] {
+        let is_nan = self.sums.iter().any(|sum| sum.is_nan());
+        let corrected = self.corrected.into_iter().fold(0.0, raised);
+        [self.uncorrected.into_iter().fold(0.0, raised), if is_nan { f64::NAN } else { corrected }]
     }
-    let largest = |lanes: [f64; LANES], sums: [f64; LANES]| {
-        if sums.iter().any(|sum| sum.is_nan()) { f64::NAN } else { lanes.into_iter().fold(0.0, raised) }
-    };
-    [largest(uncorrected, sums[0]), largest(corrected, sums[1])]
+}
+
+#[inline(always)]
+fn raised(largest: f64, value: f64) -> f64 {
+    if largest < value { value } else { largest }
+}
+
+/// What [`largest_in_lanes`] finds where something is no number.
+#[cold]
+fn largest_with_nan(bounds: &[f64], corrections: &[f64]) -> [f64; 2] {
+    let sums = bounds.iter().zip(corrections).map(|(bound, correction)| bound + correction);
+    [bounds.iter().copied().fold(0.0, larger), sums.fold(0.0, larger)]
 }
 
 #[cfg(test)]

@@ -31,6 +31,11 @@ impl TensionLaw for LinearLaw {
         self.stiffness - self.stiffness * rest_length * at.inverse
     }
 
+    #[inline(always)]
+    fn only_stiffens(&self) -> bool {
+        true
+    }
+
     fn energy(&self, extension: f64, _rest_length: f64) -> f64 {
         0.5 * self.stiffness * extension * extension
     }

@@ -45,6 +45,13 @@ pub trait TensionLaw: Send + Sync {
         tension * at.inverse
     }
 
+    /// Whether the tangent is positive and nowhere smaller at a larger extension: then it is nowhere smaller than f / ℓ [N/m]
+    /// either, since f ≤ k_t x and x < ℓ.
+    #[inline(always)]
+    fn only_stiffens(&self) -> bool {
+        false
+    }
+
     /// Energy E [J].
     fn energy(&self, extension: f64, rest_length: f64) -> f64;
 
@@ -72,6 +79,11 @@ impl<L: TensionLaw> TensionLaw for &L {
     #[inline(always)]
     fn tension_by_length(&self, tension: f64, at: SpringLength, rest_length: f64) -> f64 {
         L::tension_by_length(self, tension, at, rest_length)
+    }
+
+    #[inline(always)]
+    fn only_stiffens(&self) -> bool {
+        L::only_stiffens(self)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {

@@ -103,6 +103,11 @@ impl TensionLaw for TangentLaw {
         (tension, self.initial_stiffness * (1.0 + tangent * tangent))
     }
 
+    #[inline(always)]
+    fn only_stiffens(&self) -> bool {
+        true
+    }
+
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
         if extension <= 0.0 {
             return 0.5 * self.initial_stiffness * extension * extension;
