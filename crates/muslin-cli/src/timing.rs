@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use muslin::integrate::{Integrator, StableStep, StepError, StepTo, Workers};
-use muslin::{Model, Motion, Points, State};
+use muslin::{Model, Motion, Points, State, StepSummary};
 
 /// Time spent in steps, shared with the integrator that measures it.
 #[derive(Clone, Default)]
@@ -98,6 +98,14 @@ impl Integrator for TimedIntegrator {
 
     fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {
         self.timed(|inner| inner.velocities(model, state, velocities));
+    }
+
+    fn summarise(&mut self, is_wanted: bool) {
+        self.inner.summarise(is_wanted);
+    }
+
+    fn take_summary(&mut self) -> StepSummary {
+        self.inner.take_summary()
     }
 
     fn workers(&self) -> &Workers {

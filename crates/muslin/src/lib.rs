@@ -88,7 +88,7 @@ pub use model::Model;
 pub use points::{Points, PointsMut};
 pub use run::{Simulation, SimulationError, initial_step, suggested_step};
 pub use scene::Scene;
-pub use state::{LimitWork, Motion, State, StepMemory};
+pub use state::{LimitWork, Motion, State, StepMemory, StepSummary};
 
 /// The program in the README compiles.
 #[cfg(doctest)]

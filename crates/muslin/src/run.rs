@@ -6,7 +6,7 @@ use crate::integrate::{
 };
 use crate::observe::{Frame, Observer};
 use crate::scene::{MAX_STEPS_PER_FRAME, Method, RunSettings, StepRule};
-use crate::{Model, Points, Scene, State};
+use crate::{Model, Points, Scene, State, StepSummary};
 
 /// Part of a cloth's extent [1] that it has to move in a frame's time at least, all of it alike, to count as in motion:
 /// roundings of positions move it by about 1e-14.
@@ -210,12 +210,40 @@ impl Simulation {
             return Ok(());
         }
         let workers = self.integrator.workers().clone();
+        self.integrator.summarise(observers.iter().any(|observer| observer.wants_summary()));
+        // What somebody else left there is of no step of this run.
+        self.integrator.take_summary();
         let result = workers.install(|| self.step_to_next_frame(observers));
         self.failure = result.as_ref().err().cloned();
         result
     }
 
     fn step_to_next_frame(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), StepError> {
+        let mut summary = StepSummary::default();
+        let result = self.take_steps(observers, &mut summary);
+        // After the velocities: they need the forces at the last state, with which its strains are known.
+        summary = summary.and(self.integrator.take_summary());
+        for observer in observers.iter_mut().filter(|observer| observer.wants_summary()) {
+            observer.summary(&summary);
+        }
+        result?;
+        // Forces overflow earlier than positions do; a frame must not show it.
+        if !self.velocities.is_finite() {
+            let particle = self.velocities.iter().position(|velocity| !velocity.is_finite());
+            let (particle, time) = (particle.unwrap_or_default(), self.state.time);
+            return Err(StepError::NotFinite { particle, time });
+        }
+        self.frame_index += 1;
+        self.observe(observers);
+        Ok(())
+    }
+
+    /// Takes the steps to the next frame, and adds to their `summary`; finds the velocities there.
+    fn take_steps(
+        &mut self,
+        observers: &mut [&mut dyn Observer],
+        summary: &mut StepSummary,
+    ) -> Result<(), StepError> {
         let end = (self.frame_index + 1) as f64 / self.settings.frame_rate;
         match &mut self.steps {
             Steps::Constant { step, per_frame } => {
@@ -229,22 +257,19 @@ impl Simulation {
                     show_step(observers, &self.model, &self.state);
                 }
             }
-            Steps::Adaptive { .. } => while !self.adaptive_step(end, observers)? {},
+            Steps::Adaptive { .. } => while !self.adaptive_step(end, observers, summary)? {},
         }
         self.integrator.velocities(&self.model, &self.state, &mut self.velocities);
-        // Forces overflow earlier than positions do; a frame must not show it.
-        if !self.velocities.is_finite() {
-            let particle = self.velocities.iter().position(|velocity| !velocity.is_finite());
-            let (particle, time) = (particle.unwrap_or_default(), self.state.time);
-            return Err(StepError::NotFinite { particle, time });
-        }
-        self.frame_index += 1;
-        self.observe(observers);
         Ok(())
     }
 
-    /// Takes one adaptive step towards the time `end` [s] of a frame; whether it arrived.
-    fn adaptive_step(&mut self, end: f64, observers: &mut [&mut dyn Observer]) -> Result<bool, StepError> {
+    /// Takes one adaptive step towards the time `end` [s] of a frame, and adds to the `summary`; whether it arrived.
+    fn adaptive_step(
+        &mut self,
+        end: f64,
+        observers: &mut [&mut dyn Observer],
+        summary: &mut StepSummary,
+    ) -> Result<bool, StepError> {
         let Self { model, state, integrator, steps, .. } = self;
         let integrator = &mut **integrator;
         let Steps::Adaptive { rule, stable, before } = steps else { return Ok(true) };
@@ -292,6 +317,7 @@ impl Simulation {
                 );
                 stable.accept(stable_after);
                 integrator.accept(model, state);
+                *summary = summary.and(integrator.take_summary());
                 show_step(observers, model, state);
                 return Ok(is_last);
             }
@@ -301,6 +327,8 @@ impl Simulation {
                 // The next step moves from one to the other, and what it overwrites must be finite.
                 before.copy_from(state);
             }
+            // Strains where the step began are found again.
+            integrator.take_summary();
             stable.return_to(integrator, model, state);
             let longest = if is_tolerated { step } else { tolerated_step };
             ideal_step = IdealStep::after_refusal(step, longest);

@@ -83,6 +83,40 @@ impl Motion {
     }
 }
 
+/// What was found on the way through some steps, where it costs least.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSummary {
+    /// Largest strain [1] of any spring after any of the steps, per family in the order of
+    /// [`Family::ALL`](crate::force::Family::ALL); −∞ where there are none. The state that the first of them began with may count, too.
+    pub max_strains: [f64; 3],
+    /// Energy [J] that drag took from free particles.
+    pub drag_loss: f64,
+}
+
+impl Default for StepSummary {
+    /// Of no steps.
+    fn default() -> Self {
+        Self { max_strains: [f64::NEG_INFINITY; 3], drag_loss: 0.0 }
+    }
+}
+
+impl StepSummary {
+    /// Of these steps and of later ones.
+    #[must_use]
+    pub fn and(self, later: Self) -> Self {
+        let mut both = Self { drag_loss: self.drag_loss + later.drag_loss, ..self };
+        both.raise_strains(later.max_strains);
+        both
+    }
+
+    /// Raises the largest strains [1] to `max_strains` [1].
+    pub(crate) fn raise_strains(&mut self, max_strains: [f64; 3]) {
+        for (max, strain) in self.max_strains.iter_mut().zip(max_strains) {
+            *max = max.max(strain);
+        }
+    }
+}
+
 /// Work [J] of limits on the particles in one step; zero where there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LimitWork {

@@ -2,12 +2,15 @@
 
 mod common;
 
-use common::{AirNumbers, ClothNumbers, SceneNumbers, WindNumbers, finish, model_and_state};
+use common::{
+    AirNumbers, ClothNumbers, LINEAR, SceneNumbers, SineNumbers, StepNumbers, WindNumbers, finish,
+    model_and_state,
+};
 use muslin::force::{Configuration, StrainSums, Sweep};
 use muslin::integrate::StepError;
 use muslin::integrate::{CentralDifference, Integrator, StepTo, Workers};
 use muslin::observe::{EnergyLedger, Observer, Recorder};
-use muslin::{Points, Simulation, SimulationError, State};
+use muslin::{Model, Points, Simulation, SimulationError, State, StepSummary};
 
 /// A cloth of 4 x 3 particles of `mass` [kg] and `drag` [kg/s].
 fn small(mass: f64, drag: f64) -> SceneNumbers {
@@ -147,30 +150,124 @@ fn a_ledger_must_see_the_first_frame() {
     let _ = simulation.advance(&mut [&mut EnergyLedger::default() as &mut dyn Observer]);
 }
 
-/// The cheap maxima of every step are those of the full statistics, for rows shorter and longer than vector registers.
-#[test]
-fn largest_strains_are_the_same_by_both_ways() {
-    for columns in [2, 5, 8, 9, 17, 33] {
-        let cloth = ClothNumbers { columns, rows: 6, pins: vec![(0, 0)], ..ClothNumbers::default() };
-        let numbers = SceneNumbers { frame_intervals: 5, cloths: vec![cloth], ..SceneNumbers::default() };
-        let mut simulation = numbers.simulation();
-        finish(&mut simulation, &mut Recorder::default());
-        let (model, state) = (simulation.model(), simulation.frame().state);
-        let at = Configuration {
-            time: 0.0,
-            particles: model.particles(),
-            positions: &state.positions,
-            velocities: &state.velocities,
-            memory: &[],
-        };
-        let (mut sums, mut maxima) = ([StrainSums::default(); 3], [f64::NEG_INFINITY; 3]);
+/// Finds after every step what a summary has of all of them.
+struct EveryStep {
+    largest_strains: [f64; 3],
+    drag_loss: f64,
+    refused: u32,
+}
+
+impl Observer for EveryStep {
+    fn step(&mut self, model: &Model, state: &State) {
+        let particles = model.particles();
+        let (positions, velocities) = (&state.positions, &state.velocities);
+        let at = Configuration { time: state.time, particles, positions, velocities, memory: &state.memory };
+        let mut sums = [StrainSums::default(); 3];
         for force in model.forces() {
             force.add_strains(at, &mut sums);
-            force.raise_max_strains(at, &mut maxima);
         }
-        assert!(sums[0].max > 0.0);
-        assert_eq!(maxima, sums.map(|sums| sums.max), "{columns} columns");
+        for (largest, sums) in self.largest_strains.iter_mut().zip(sums) {
+            *largest = largest.max(sums.max);
+        }
+        let free = (0..particles.len()).filter(|&particle| !particles.pinned()[particle]);
+        let powers = free.map(|free| particles.drags()[free] * velocities.get(free).length_squared());
+        self.drag_loss += state.last_step * powers.sum::<f64>();
     }
+
+    fn refused_step(&mut self, _model: &Model, _state: &State) {
+        self.refused += 1;
+    }
+}
+
+/// The summary of all steps.
+#[derive(Default)]
+struct Total(StepSummary);
+
+impl Observer for Total {
+    fn wants_summary(&self) -> bool {
+        true
+    }
+
+    fn summary(&mut self, summary: &StepSummary) {
+        self.0 = self.0.and(*summary);
+    }
+}
+
+/// Whether a step finds forces where it begins or where it ends, is refused, shared by threads or ends in an error: a summary has
+/// the largest strains after any of the steps that were taken, to the bit, and what drag took. Motion has the same bits without.
+#[test]
+fn a_summary_is_that_of_every_step() {
+    let wide = || ClothNumbers { columns: 150, rows: 20, drag: 0.02, ..ClothNumbers::default() };
+    let tangent = ["law = \"tangent\", strain_scale = 0.06", LINEAR, LINEAR];
+    let stiffening = ClothNumbers { laws: tangent, ..ClothNumbers::default() };
+    let measured = ClothNumbers { is_measured: true, has_friction: true, ..ClothNumbers::default() };
+    let motion = SineNumbers { axis: [1.0, 0.0, 0.0], amplitude: 0.05, frequency: 3.0, phase: 0.0 };
+    let limited = ClothNumbers {
+        limit: Some("{ kind = \"cut-off\", strain = 0.01 }"),
+        motion: Some(motion),
+        ..ClothNumbers::default()
+    };
+    let cases = [
+        (
+            "springs",
+            vec![wide(), ClothNumbers { columns: 1, pins: vec![(0, 0)], ..ClothNumbers::default() }],
+            [0.0; 2],
+            20,
+        ),
+        ("springs that stiffen", vec![stiffening, wide()], [0.0; 2], 20),
+        ("measured, with friction", vec![measured, wide()], [0.0; 2], 20),
+        ("limits and moving pins", vec![limited, wide()], [0.0; 2], 20),
+        ("in air", vec![ClothNumbers::default(), wide()], [1.0, 0.1], 20),
+        ("unstable", vec![wide()], [0.0; 2], 3),
+        ("unstable in air", vec![wide()], [1.0, 0.1], 3),
+    ];
+    let mut refused = 0;
+    for (name, cloths, coefficients, steps_per_frame) in cases {
+        let is_unstable = steps_per_frame == 3;
+        let airs = match coefficients {
+            [0.0, 0.0] => Vec::new(),
+            _ => vec![AirNumbers::steady([3.0, 0.0, 1.0], coefficients)],
+        };
+        let rules = [StepNumbers::Constant, StepNumbers::Adaptive, StepNumbers::Tolerance(1e-5)];
+        for step_rule in rules.into_iter().filter(|rule| !is_unstable || *rule == StepNumbers::Constant) {
+            let numbers = SceneNumbers {
+                frame_intervals: if is_unstable { 200 } else { 6 },
+                frame_rate: if is_unstable { 15.0 } else { 50.0 },
+                steps_per_frame,
+                allow_unstable: is_unstable,
+                step_rule,
+                cloths: cloths.clone(),
+                airs: airs.clone(),
+                ..SceneNumbers::default()
+            };
+            let mut ends = Vec::new();
+            for (threads, has_summary) in [(1, true), (2, true), (1, false)] {
+                let mut simulation = common::simulation(&numbers.scene(), common::workers(threads));
+                let mut total = Total::default();
+                let mut expected =
+                    EveryStep { largest_strains: [f64::NEG_INFINITY; 3], drag_loss: 0.0, refused: 0 };
+                let mut result = Ok(());
+                while result.is_ok() && !simulation.is_finished() {
+                    result = match has_summary {
+                        true => simulation.advance(&mut [&mut total, &mut expected]),
+                        false => simulation.advance(&mut [&mut expected]),
+                    };
+                }
+                let case = format!("{name}, {step_rule:?}, {threads} threads, {} refused", expected.refused);
+                assert_eq!(result.is_err(), is_unstable, "{case}");
+                refused += expected.refused;
+                ends.push(simulation.frame().state.positions.clone());
+                if has_summary {
+                    let Total(StepSummary { max_strains, drag_loss }) = total;
+                    assert_eq!(max_strains, expected.largest_strains, "{case}");
+                    let is_same = (drag_loss - expected.drag_loss).abs() <= 1e-12 * expected.drag_loss;
+                    assert!(is_same, "{case}: {drag_loss} J for {} J", expected.drag_loss);
+                }
+            }
+            assert!(is_unstable || ends.iter().all(|end| *end == ends[0]), "{name}, {step_rule:?}");
+        }
+    }
+    assert!(0 < refused, "some steps are taken back");
 }
 
 /// Every spring is shown once: as many as are counted, no pair of particles twice in a family, unstretched in the flat cloth.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::grid_laws::{GridLaws, Lines, SpringGroup};
 use super::grid_stiffness::TensorSweep;
-use super::grid_strains::{self, RaiseMaxStrains};
+use super::grid_strains;
 use super::law::{LawVisitor, SpringLaw, TensionLaw};
 use super::row_sums::TileBending;
 use super::row_sweep::RowSweep;
@@ -420,10 +420,6 @@ impl Force for GridSprings {
 
     fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {
         grid_strains::add_strains(self, at.positions, strains);
-    }
-
-    fn raise_max_strains(&self, at: Configuration<'_>, max_strains: &mut [f64; 3]) {
-        self.instructions.run(RaiseMaxStrains { springs: self, positions: at.positions, max_strains });
     }
 
     fn eval_particle_strains(&self, at: Configuration<'_>, strains: &mut [f32]) {

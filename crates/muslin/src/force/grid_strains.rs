@@ -1,57 +1,54 @@
 //! Strains of a grid's springs.
 
-use super::grid_springs::GridSprings;
-use super::row_sweep::strips;
-use super::tile::{EndCopies, SHAPES, Tile};
+use super::grid_springs::{GridFamily, GridSprings};
+use super::tile::{SHAPES, Tile};
 use super::tile_springs::TileSprings;
 use super::{Family, StrainSums};
 use crate::Points;
-use crate::instructions::Vectorise;
+use crate::model::Grid;
 
 /// Maxima that are kept side by side.
 const LANES: usize = 8;
 
-/// Raises `max_strains` [1], per family, to the largest strain of any of the `springs` at `positions` [m].
-///
-/// Of all springs of one rest length the longest is found by its squared length.
-pub(super) struct RaiseMaxStrains<'a> {
-    pub(super) springs: &'a GridSprings,
-    pub(super) positions: &'a Points,
-    pub(super) max_strains: &'a mut [f64; 3],
-}
+/// Squared length [m²] of the longest springs by family and direction, of which all have one rest length.
+#[derive(Clone, Debug)]
+pub(super) struct LongestSprings([[[f64; LANES]; 2]; 3]);
 
-impl Vectorise for RaiseMaxStrains<'_> {
-    type Output = ();
+impl LongestSprings {
+    /// No springs.
+    pub(super) const NONE: Self = Self([[[0.0; LANES]; 2]; 3]);
 
+    /// Looks at the springs of a `tile` of `grid` whose squared lengths are known, with those groups that are `swept`.
     #[inline(always)]
-    fn run(self) {
-        let Self { springs, positions, max_strains } = self;
-        let (grid, swept) = (&springs.grid, springs.swept());
-        let has_bend_springs = springs.has_bend_springs();
-        let (mut tile_springs, mut end_copies) = (TileSprings::ZERO, EndCopies::ZERO);
-        let mut longest = [[[0.0; LANES]; 2]; 3];
+    pub(super) fn raise(
+        &mut self,
+        springs: &mut TileSprings,
+        swept: &[[Option<&GridFamily>; 2]; 3],
+        tile: &Tile,
+        grid: &Grid,
+    ) {
         // No closures, which would not be compiled for the same instructions.
-        for (rows, _) in strips(grid, &(0..grid.rows), false) {
-            for tile in Tile::of(grid, &rows) {
-                let coordinates = end_copies.coordinates(&tile, grid, positions);
-                tile_springs.eval_squares(coordinates, has_bend_springs, &tile);
-                for index in 0..3 {
-                    for direction in 0..2 {
-                        if swept[index][direction].is_some() {
-                            let squares = tile_springs.squares([index, direction], &tile, grid);
-                            raise(&mut longest[index][direction], squares);
-                        }
-                    }
+        for (index, directions) in swept.iter().enumerate() {
+            for (direction, group) in directions.iter().enumerate() {
+                if group.is_some() {
+                    let squares = springs.squares([index, direction], tile, grid);
+                    raise(&mut self.0[index][direction], squares);
                 }
             }
         }
+    }
+
+    /// Raises `max_strains` [1], per family, to those of the longest of `springs`.
+    #[inline(always)]
+    pub(super) fn raise_strains(&self, springs: &GridSprings, max_strains: &mut [f64; 3]) {
+        let (grid, swept) = (&springs.grid, springs.swept());
         for (index, max) in max_strains.iter_mut().enumerate() {
             for (direction, group) in swept[index].into_iter().enumerate() {
                 let shape = &SHAPES[index][direction];
                 let has_springs = shape.reach() < grid.columns && shape.rows < grid.rows;
                 let spring = group.and_then(|group| group.spring_of((), direction)).filter(|_| has_springs);
                 if let Some(spring) = spring {
-                    let longest = longest[index][direction].into_iter().fold(0.0, f64::max);
+                    let longest = self.0[index][direction].into_iter().fold(0.0, f64::max);
                     *max = max.max(strain(longest, spring.rest_length));
                 }
             }

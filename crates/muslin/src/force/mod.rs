@@ -139,7 +139,8 @@ pub struct SpringEnds {
 pub trait Force: fmt::Debug + Send + Sync {
     /// Adds the force [N] on every particle of `block`.
     ///
-    /// `sweep` saves work where one block after the other is asked for, and changes no bit of the result.
+    /// `sweep` saves work where one block after the other is asked for, and changes no bit of the result. A force with springs
+    /// raises its [largest strains](Sweep::raise_max_strains) if they are watched.
     fn add_forces(
         &self,
         at: Configuration<'_>,
@@ -309,13 +310,6 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// Adds the strains of all springs, per family in the order of [`Family::ALL`].
     fn add_strains(&self, at: Configuration<'_>, strains: &mut [StrainSums; 3]) {
         let _ = (at, strains);
-    }
-
-    /// Raises `max_strains` [1] to the largest strain of any spring, per family in the order of [`Family::ALL`].
-    ///
-    /// The same as the maxima of [`add_strains`](Self::add_strains), but cheap enough for every step.
-    fn raise_max_strains(&self, at: Configuration<'_>, max_strains: &mut [f64; 3]) {
-        let _ = (at, max_strains);
     }
 
     /// Replaces the strain [1] of each particle that has structural springs by the one farthest from zero among them.

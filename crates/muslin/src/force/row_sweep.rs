@@ -8,6 +8,7 @@ use std::iter::successors;
 use std::ops::Range;
 
 use super::grid_springs::{GridFamily, GridSprings};
+use super::grid_strains::LongestSprings;
 use super::row_sums::{Border, FarPulls, Pending, Pulls, TileBending, add_structural_bounds};
 use super::tile::{EndCopies, TILE, Tile, Weights, has_none_above};
 use super::tile_springs::TileSprings;
@@ -29,7 +30,12 @@ pub struct Sweep {
     kept: [KeptRow; 2],
     /// The same, where it is tensors.
     pub(super) kept_tensors: [StiffnessTensors; 2],
+    /// Largest strains [1] of the springs whose forces were found with it, per family, if they are watched.
+    max_strains: Option<[f64; 3]>,
 }
+
+/// Less than any.
+const NO_STRAINS: [f64; 3] = [f64::NEG_INFINITY; 3];
 
 /// What is added up from the springs of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +49,24 @@ impl Sweep {
     /// Forgets what it keeps.
     pub fn restart(&mut self) {
         self.next = None;
+    }
+
+    /// Whether it is to find the largest strains of all springs whose forces are found with it; forces keep their bits.
+    pub fn watch_strains(&mut self, is_watched: bool) {
+        self.max_strains = is_watched.then_some(NO_STRAINS);
+    }
+
+    /// Raises the largest strains [1] per family, if they are watched.
+    pub fn raise_max_strains(&mut self, strains: [f64; 3]) {
+        for (max, strain) in self.max_strains.iter_mut().flatten().zip(strains) {
+            *max = max.max(strain);
+        }
+    }
+
+    /// The largest strains [1] since they were taken last, per family in the order of [`Family::ALL`](super::Family::ALL); −∞ where
+    /// there are no springs, or they are not watched.
+    pub fn take_max_strains(&mut self) -> [f64; 3] {
+        self.max_strains.as_mut().map_or(NO_STRAINS, |max_strains| std::mem::replace(max_strains, NO_STRAINS))
     }
 
     /// Whether what it keeps is `swept` of the rows before `rows`, which are the next to be worked on.
@@ -86,6 +110,7 @@ pub(super) struct TileMemory {
     pub(super) tensor_pulls: [Pulls; 3],
     pub(super) end_copies: EndCopies,
     pub(super) weights: Weights,
+    longest: LongestSprings,
 }
 
 /// The opposite of forces [N] on the particles of a row, and bounds [N/m] on their stiffness.
@@ -115,14 +140,18 @@ impl Vectorise for RowSweep<'_, '_> {
         let is_bounded = bounds.is_some();
         let swept = if is_bounded { Swept::ForcesAndBounds } else { Swept::Forces };
         let starts = !sweep.goes_on(&springs.grid, &rows, swept);
-        let Sweep { tile, kept, .. } = sweep;
+        let Sweep { tile, kept, max_strains, .. } = sweep;
         let tile = tile.get_or_insert_with(TileMemory::new);
         let swept = springs.swept();
+        let is_watched = max_strains.is_some();
+        if is_watched {
+            tile.longest = LongestSprings::NONE;
+        }
         let varies = swept.map(|directions| directions.into_iter().any(varies));
         let (first, end) = (rows.start.saturating_sub(2), rows.end + 2);
         let near = springs.grid.particle(0, first)..springs.grid.particle(0, end);
         let has_pins = is_bounded && at.particles.runs(&near).any(|run| run.is_pinned);
-        let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded, has_pins };
+        let mut pass = RowPass { springs, swept, varies, at, tile, kept, is_bounded, has_pins, is_watched };
         if starts {
             pass.start(rows.start);
         }
@@ -136,6 +165,9 @@ impl Vectorise for RowSweep<'_, '_> {
                 None => (None, None),
             };
             pass.strip(strip, strip_forces, strip_bounds);
+        }
+        if let Some(max_strains) = max_strains {
+            tile.longest.raise_strains(springs, max_strains);
         }
     }
 }
@@ -151,6 +183,7 @@ impl TileMemory {
             tensor_pulls: [Pulls::ZERO; 3],
             end_copies: EndCopies::ZERO,
             weights: Weights::ZERO,
+            longest: LongestSprings::NONE,
         })
     }
 }
@@ -167,6 +200,8 @@ struct RowPass<'a> {
     is_bounded: bool,
     /// Whether any particle is pinned that springs of these rows may end at.
     has_pins: bool,
+    /// Whether the longest springs are to be found.
+    is_watched: bool,
 }
 
 impl RowPass<'_> {
@@ -206,8 +241,9 @@ impl RowPass<'_> {
     ) {
         let mut borders = [Border::default(); 4];
         for tile in Tile::of(&self.springs.grid, &rows) {
-            let TileMemory { springs, pulls, far, bound_pulls, far_bounds, end_copies, weights, .. } =
-                &mut *self.tile;
+            let TileMemory {
+                springs, pulls, far, bound_pulls, far_bounds, end_copies, weights, longest, ..
+            } = &mut *self.tile;
             let grid = &self.springs.grid;
             let coordinates = end_copies.coordinates(&tile, grid, self.at.positions);
             let has_bend_springs = self.springs.has_bend_springs();
@@ -216,6 +252,9 @@ impl RowPass<'_> {
                     springs.eval_lengths_and_bends(coordinates, bending, far, &tile, grid);
                 }
                 None => springs.eval_lengths(coordinates, has_bend_springs, &tile),
+            }
+            if self.is_watched {
+                longest.raise(springs, &self.swept, &tile, grid);
             }
             let twists = self.springs.bending.as_ref().map_or([0.0; 3], GridBending::twists);
             let families = if has_bend_springs { 3 } else { 2 };

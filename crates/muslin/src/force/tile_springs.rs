@@ -63,9 +63,9 @@ impl TileSprings {
     ) {
         let (squares, guesses) = (&mut self.squares, &mut self.coefficients);
         if has_bend_springs {
-            eval_lengths::<true, true>(squares, guesses, (x, y, z), tile.padded_len());
+            eval_lengths::<true>(squares, guesses, (x, y, z), tile.padded_len());
         } else {
-            eval_lengths::<false, true>(squares, guesses, (x, y, z), tile.padded_len());
+            eval_lengths::<false>(squares, guesses, (x, y, z), tile.padded_len());
         }
     }
 
@@ -93,33 +93,6 @@ impl TileSprings {
         }
         let arrays = (&mut self.squares, &mut self.coefficients);
         eval_lengths_and_bends(arrays, rigidities, far, (x, y, z), tile.padded_len());
-    }
-
-    /// Finds squared lengths [m²] alone: of the springs of a family by its index and direction they are then to be had from
-    /// [`squares`](Self::squares).
-    #[inline(always)]
-    pub(super) fn eval_squares(
-        &mut self,
-        coordinates: [Coordinates<'_>; 3],
-        has_bend_springs: bool,
-        tile: &Tile,
-    ) {
-        let [x, y, z] = coordinates;
-        if has_bend_springs {
-            eval_lengths::<true, false>(
-                &mut self.squares,
-                &mut self.coefficients,
-                (x, y, z),
-                tile.padded_len(),
-            );
-        } else {
-            eval_lengths::<false, false>(
-                &mut self.squares,
-                &mut self.coefficients,
-                (x, y, z),
-                tile.padded_len(),
-            );
-        }
     }
 
     /// Squared lengths [m²] of the springs in a place of a `tile` of `grid`, zero where there is none; a multiple of eight.
@@ -256,7 +229,7 @@ fn square([x, y, z]: [f64; 3]) -> f64 {
 }
 
 #[inline(always)]
-fn eval_lengths<const BEND: bool, const GUESS: bool>(
+fn eval_lengths<const BEND: bool>(
     squares: &mut OfSprings,
     guesses: &mut OfSprings,
     (x, y, z): (Coordinates<'_>, Coordinates<'_>, Coordinates<'_>),
@@ -279,12 +252,10 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
         down[i] = square(vector(own, below));
         diagonal[i] = square(vector(own, below_right));
         other_diagonal[i] = square(vector(right, below));
-        if GUESS {
-            across_guess[i] = SpringLength::guess_inverse(across[i]);
-            down_guess[i] = SpringLength::guess_inverse(down[i]);
-            diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
-            other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
-        }
+        across_guess[i] = SpringLength::guess_inverse(across[i]);
+        down_guess[i] = SpringLength::guess_inverse(down[i]);
+        diagonal_guess[i] = SpringLength::guess_inverse(diagonal[i]);
+        other_diagonal_guess[i] = SpringLength::guess_inverse(other_diagonal[i]);
     }
     // In a loop of its own, for which there are registers with the places of all rows.
     if BEND {
@@ -292,10 +263,8 @@ fn eval_lengths<const BEND: bool, const GUESS: bool>(
             let own = [x.own[i], y.own[i], z.own[i]];
             far_across[i] = square(vector(own, [x.far_right[i], y.far_right[i], z.far_right[i]]));
             far_down[i] = square(vector(own, [x.far_down[i], y.far_down[i], z.far_down[i]]));
-            if GUESS {
-                far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
-                far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
-            }
+            far_across_guess[i] = SpringLength::guess_inverse(far_across[i]);
+            far_down_guess[i] = SpringLength::guess_inverse(far_down[i]);
         }
     }
 }

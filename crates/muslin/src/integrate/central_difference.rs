@@ -5,17 +5,19 @@ use std::ops::Range;
 use super::block_bound::BlockBound;
 use super::block_forces::{eval_block, eval_block_and_bounds, larger_rates};
 use super::limits::Limiter;
-use super::motion::{MoveBlock, Moved, Steps};
+use super::motion::{MoveBlock, Moved, Steps, Wanted};
 use super::one_pass::{BandMemory, OnePass};
 use super::pins::place_pins;
-use super::stability::{configuration, larger, largest_damping_rate, stable_step};
+use super::running_summary::RunningSummary;
+use super::stability::{configuration, larger, stable_step};
 use super::synchronous::Synchronise;
+use super::velocity_forces::VelocityForces;
 use super::workers::for_each_block;
 use super::{Integrator, StableStep, StepError, StepTo, Workers};
 use crate::force::{Configuration, Sweep};
 use crate::model::Particles;
 use crate::scene::Start;
-use crate::{Model, Motion, Points, PointsMut, State};
+use crate::{Model, Motion, Points, PointsMut, State, StepSummary};
 
 /// Explicit central differences in half-step velocities, for steps of any size in any order.
 ///
@@ -59,9 +61,8 @@ pub struct CentralDifference {
     stiffness_bounds: Vec<f64>,
     block_bound: BlockBound,
     limiter: Limiter,
-    /// Velocities [m/s] at the state's time, for forces that depend on them.
-    velocities: Points,
-    damping_bounds: Vec<f64>,
+    velocity_forces: VelocityForces,
+    summary: RunningSummary,
 }
 
 impl CentralDifference {
@@ -79,8 +80,8 @@ impl CentralDifference {
             stiffness_bounds: Vec::new(),
             block_bound: BlockBound::default(),
             limiter: Limiter::default(),
-            velocities: Points::default(),
-            damping_bounds: Vec::new(),
+            velocity_forces: VelocityForces::default(),
+            summary: RunningSummary::default(),
         }
     }
 
@@ -105,47 +106,6 @@ impl CentralDifference {
         }
     }
 
-    /// Adds the forces [N] that depend on velocities to all others, which are there already; the velocities of `at` are
-    /// half of `last_step` [s] older than its positions.
-    fn add_velocity_forces(&mut self, model: &Model, at: Configuration<'_>, last_step: f64) {
-        if self.velocities.len() != at.positions.len() {
-            self.velocities = Points::zeros(at.positions.len());
-        }
-        let moving = || model.forces().iter().filter(|force| force.depends_on_velocity());
-        let other_forces = &self.forces;
-        let predict_block = |block: &Range<usize>, mut velocities: PointsMut<'_>| {
-            // First the forces, then in their place the velocities.
-            velocities.fill(0.0);
-            let mut sweep = Sweep::default();
-            moving().for_each(|force| force.add_forces(at, block, &mut velocities, &mut sweep));
-            let axes = [&mut *velocities.x, &mut *velocities.y, &mut *velocities.z];
-            for (values, forces) in axes.into_iter().zip(other_forces.slice(block)) {
-                values.iter_mut().zip(forces).for_each(|(value, force)| *value += force);
-            }
-            let (particles, older) = (at.particles, at.velocities.slice(block));
-            let task = Synchronise { particles, block, last_step, older, values: velocities };
-            model.instructions().run(task);
-        };
-        self.workers.for_blocks(model.blocks(), self.velocities.as_mut(), &predict_block, &|(), ()| ());
-        model.moving_pins().eval_velocities(at.time, &mut self.velocities);
-        let at = Configuration { velocities: &self.velocities, ..at };
-        let add_block = |block: &Range<usize>, mut forces: PointsMut<'_>| {
-            let mut sweep = Sweep::default();
-            moving().for_each(|force| force.add_forces(at, block, &mut forces, &mut sweep));
-        };
-        self.workers.for_blocks(model.blocks(), self.forces.as_mut(), &add_block, &|(), ()| ());
-    }
-
-    /// The largest of damping bound / mass [1/s] after [`add_velocity_forces`](Self::add_velocity_forces).
-    fn largest_damping_rate(&mut self, model: &Model, state: &State) -> f64 {
-        self.damping_bounds.resize(state.positions.len(), 0.0);
-        let at = Configuration { velocities: &self.velocities, ..configuration(model, state) };
-        let eval_block =
-            |block: &Range<usize>, bounds: &mut [f64]| largest_damping_rate(model, at, block, bounds);
-        let bounds = self.damping_bounds.as_mut_slice();
-        self.workers.for_blocks(model.blocks(), bounds, &eval_block, &larger).unwrap_or(0.0)
-    }
-
     /// Moves all particles of `state` under forces that are known, and leaves what it was in `before` if there is one.
     fn move_all(
         &mut self,
@@ -156,11 +116,11 @@ impl CentralDifference {
     ) -> Result<Motion, StepError> {
         let from = left_behind(state, before);
         let steps = Steps { last: state.last_step, next: step };
+        let wanted = Wanted { energies: is_measured, drag_power: self.pass.finds_drag };
         let forces = &self.forces;
         let move_block = |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
             let (particles, forces) = (model.particles(), forces.slice(block));
-            let task =
-                MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
+            let task = MoveBlock { from, particles, steps, block, positions, velocities, forces, wanted };
             model.instructions().run(task)
         };
         let arrays = (state.positions.as_mut(), state.velocities.as_mut());
@@ -168,11 +128,60 @@ impl CentralDifference {
         self.has_forces = false;
         arrive(model, state, StepTo { step, time, is_measured });
         let limited = self.limiter.apply(model, &self.forces, step, state);
-        measured(model, state, moved).map(|motion| if is_measured { motion.add(limited) } else { motion })
+        let moved = measured(model, state, moved)?.add(limited);
+        self.summary.add_drag(step, &moved);
+        Ok(if is_measured { moved.motion } else { Motion::default() })
     }
 }
 
 impl CentralDifference {
+    /// Evaluates the forces at `state`; the caller says whether its strains count.
+    fn eval_all_forces(&mut self, model: &Model, state: &State) {
+        self.next_forces(state.positions.len());
+        let at = configuration(model, state);
+        let eval_band =
+            |blocks: &[Range<usize>], forces: PointsMut<'_>, BandMemory { sweep, .. }: &mut BandMemory| {
+                sweep.restart();
+                let eval_block =
+                    |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces, sweep);
+                for_each_block(blocks, forces, eval_block, |(), ()| ());
+            };
+        let bands = &mut self.bands;
+        self.workers.for_bands(model.blocks(), self.forces.as_mut(), bands, &eval_band, &|(), ()| ());
+        self.has_forces = true;
+        if model.depends_on_velocity() {
+            self.add_velocity_forces(model, state);
+        }
+    }
+
+    /// The same, and the stable step.
+    fn eval_all_forces_and_bounds(
+        &mut self,
+        model: &Model,
+        state: &State,
+        constant_stiffness: f64,
+    ) -> StableStep {
+        self.next_forces(state.positions.len());
+        self.stiffness_bounds.resize(state.positions.len(), 0.0);
+        let at = configuration(model, state);
+        let block_bound = &self.block_bound;
+        let eval_band = |blocks: &[Range<usize>],
+                         arrays: (PointsMut<'_>, &mut [f64]),
+                         BandMemory { sweep, .. }: &mut BandMemory| {
+            sweep.restart();
+            let eval_block = |block: &Range<usize>, (forces, bounds): (PointsMut<'_>, &mut [f64])| {
+                eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
+                block_bound.rates(model, block, bounds)
+            };
+            for_each_block(blocks, arrays, eval_block, larger_rates)
+        };
+        let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
+        let bands = &mut self.bands;
+        let largest = self.workers.for_bands(model.blocks(), arrays, bands, &eval_band, &larger_rates);
+        self.has_forces = true;
+        self.finish_with_bounds(model, state, constant_stiffness, largest.unwrap_or_default())
+    }
+
     /// Adds the forces that depend on velocities; the stable step at `state`, where the `largest` rates [1/s²] of varying
     /// stiffness are known.
     fn finish_with_bounds(
@@ -184,13 +193,18 @@ impl CentralDifference {
     ) -> StableStep {
         let mut damping = 0.0;
         if model.depends_on_velocity() {
-            self.add_velocity_forces(model, configuration(model, state), state.last_step);
-            damping = self.largest_damping_rate(model, state);
+            self.add_velocity_forces(model, state);
+            damping = self.velocity_forces.largest_damping_rate(&self.workers, model, state);
         }
         StableStep {
             by_norms: stable_step(constant_stiffness + uncorrected, damping),
             by_blocks: stable_step(corrected, damping),
         }
+    }
+
+    /// Adds the forces that depend on velocities at `state` to all others, which are there already.
+    fn add_velocity_forces(&mut self, model: &Model, state: &State) {
+        self.velocity_forces.add(&self.workers, model, state, &mut self.forces);
     }
 
     /// Evaluates the forces at `state` unless they are known.
@@ -231,8 +245,12 @@ impl CentralDifference {
             }
             None => pass.step_in_place(model, state, to, &mut bands[0]),
         };
+        // Of the state that it left, whatever came of it.
+        self.summary.add_strains(&mut self.bands, true);
         arrive(model, state, to);
-        measured(model, state, moved)
+        let moved = measured(model, state, moved)?;
+        self.summary.add_drag(to.step, &moved);
+        Ok(moved.motion)
     }
 
     /// Moves `state` and evaluates the forces where it arrives.
@@ -246,7 +264,8 @@ impl CentralDifference {
         self.need_forces(model, state);
         if !self.can_go_on_to_forces(model) {
             let motion = self.move_all(model, state, before, to);
-            self.eval_forces(model, state);
+            self.eval_all_forces(model, state);
+            self.summary.add_strains(&mut self.bands, motion.is_ok());
             return motion;
         }
         let from = left_behind(state, before);
@@ -256,9 +275,17 @@ impl CentralDifference {
         };
         let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
         if model.depends_on_velocity() {
-            self.add_velocity_forces(model, configuration(model, state), state.last_step);
+            self.add_velocity_forces(model, state);
         }
-        measured(model, state, moved)
+        self.sum_up(measured(model, state, moved), to)
+    }
+
+    /// Adds what came of a step that went on to the forces where it ends to the summary, if it did not fail.
+    fn sum_up(&mut self, moved: Result<Moved, StepError>, to: StepTo) -> Result<Motion, StepError> {
+        self.summary.add_strains(&mut self.bands, moved.is_ok());
+        let moved = moved?;
+        self.summary.add_drag(to.step, &moved);
+        Ok(moved.motion)
     }
 
     /// Whether nothing comes between motion and the forces after it, and one thread does both: the only one, or the one that
@@ -278,10 +305,10 @@ fn arrive(model: &Model, state: &mut State, StepTo { step, time, .. }: StepTo) {
 }
 
 /// What came of moving all particles, at the end of the step.
-fn measured(model: &Model, state: &State, moved: Option<Moved>) -> Result<Motion, StepError> {
+fn measured(model: &Model, state: &State, moved: Option<Moved>) -> Result<Moved, StepError> {
     match moved {
         Some(Moved { is_finite: false, .. }) => Err(not_finite(model.particles(), state)),
-        moved => Ok(moved.map(|moved| moved.motion).unwrap_or_default()),
+        moved => Ok(moved.unwrap_or_default()),
     }
 }
 
@@ -295,21 +322,8 @@ fn left_behind<'a>(state: &mut State, before: Option<&'a mut State>) -> Option<&
 
 impl Integrator for CentralDifference {
     fn eval_forces(&mut self, model: &Model, state: &State) {
-        self.next_forces(state.positions.len());
-        let at = configuration(model, state);
-        let eval_band =
-            |blocks: &[Range<usize>], forces: PointsMut<'_>, BandMemory { sweep, .. }: &mut BandMemory| {
-                sweep.restart();
-                let eval_block =
-                    |block: &Range<usize>, forces: PointsMut<'_>| eval_block(model, at, block, forces, sweep);
-                for_each_block(blocks, forces, eval_block, |(), ()| ());
-            };
-        let bands = &mut self.bands;
-        self.workers.for_bands(model.blocks(), self.forces.as_mut(), bands, &eval_band, &|(), ()| ());
-        self.has_forces = true;
-        if model.depends_on_velocity() {
-            self.add_velocity_forces(model, at, state.last_step);
-        }
+        self.eval_all_forces(model, state);
+        self.summary.add_strains(&mut self.bands, true);
     }
 
     fn eval_forces_and_stable_step(
@@ -318,25 +332,9 @@ impl Integrator for CentralDifference {
         state: &State,
         constant_stiffness: f64,
     ) -> StableStep {
-        self.next_forces(state.positions.len());
-        self.stiffness_bounds.resize(state.positions.len(), 0.0);
-        let at = configuration(model, state);
-        let block_bound = &self.block_bound;
-        let eval_band = |blocks: &[Range<usize>],
-                         arrays: (PointsMut<'_>, &mut [f64]),
-                         BandMemory { sweep, .. }: &mut BandMemory| {
-            sweep.restart();
-            let eval_block = |block: &Range<usize>, (forces, bounds): (PointsMut<'_>, &mut [f64])| {
-                eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
-                block_bound.rates(model, block, bounds)
-            };
-            for_each_block(blocks, arrays, eval_block, larger_rates)
-        };
-        let arrays = (self.forces.as_mut(), self.stiffness_bounds.as_mut_slice());
-        let bands = &mut self.bands;
-        let largest = self.workers.for_bands(model.blocks(), arrays, bands, &eval_band, &larger_rates);
-        self.has_forces = true;
-        self.finish_with_bounds(model, state, constant_stiffness, largest.unwrap_or_default())
+        let stable = self.eval_all_forces_and_bounds(model, state, constant_stiffness);
+        self.summary.add_strains(&mut self.bands, true);
+        stable
     }
 
     fn eval_stable_step(&mut self, model: &Model, state: &State) -> f64 {
@@ -345,7 +343,7 @@ impl Integrator for CentralDifference {
         if model.depends_on_velocity() {
             // Velocities come with them.
             self.need_forces(model, state);
-            damping = self.largest_damping_rate(model, state);
+            damping = self.velocity_forces.largest_damping_rate(&self.workers, model, state);
         }
         stable_step(stiffness, damping)
     }
@@ -377,7 +375,9 @@ impl Integrator for CentralDifference {
         self.need_forces(model, state);
         if !self.can_go_on_to_forces(model) {
             let motion = self.move_all(model, state, before, to);
-            return (motion, self.eval_forces_and_stable_step(model, state, constant_stiffness));
+            let stable = self.eval_all_forces_and_bounds(model, state, constant_stiffness);
+            self.summary.add_strains(&mut self.bands, motion.is_ok());
+            return (motion, stable);
         }
         let from = left_behind(state, before);
         let Self { bands, pass, forces, stiffness_bounds, block_bound, .. } = self;
@@ -389,7 +389,7 @@ impl Integrator for CentralDifference {
             largest = larger_rates(largest, block_bound.rates(model, block, bounds));
         };
         let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
-        let motion = measured(model, state, moved);
+        let motion = self.sum_up(measured(model, state, moved), to);
         (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))
     }
 
@@ -429,6 +429,15 @@ impl Integrator for CentralDifference {
             );
         }
         step * step / 6.0 * largest.sqrt()
+    }
+
+    fn summarise(&mut self, is_wanted: bool) {
+        self.summary.want(is_wanted, &mut self.bands);
+        self.pass.finds_drag = is_wanted;
+    }
+
+    fn take_summary(&mut self) -> StepSummary {
+        self.summary.take()
     }
 
     fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points) {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::{LimitWork, Model, Motion, Points, State};
+use super::motion::Moved;
+use crate::{LimitWork, Model, Points, State};
 
 /// Applies limits, with memory of its own.
 #[derive(Debug, Default)]
@@ -26,12 +27,12 @@ impl Limiter {
     /// this is exact: forces and limits together change the kinetic energy by their works, and by nothing else. On a pin
     /// that moves with v⁺ it does the work p · v⁺ / h.
     ///
-    /// What [`Motion`] holds after the step, of the velocities v⁺, changes by what is returned.
-    pub(super) fn apply(&mut self, model: &Model, forces: &Points, step: f64, state: &mut State) -> Motion {
+    /// What is known of the motion after the step, of the velocities v⁺, changes by what is returned.
+    pub(super) fn apply(&mut self, model: &Model, forces: &Points, step: f64, state: &mut State) -> Moved {
         state.limit_work = LimitWork::default();
-        let mut motion = Motion::default();
+        let mut moved = Moved { is_finite: true, ..Moved::default() };
         if model.limits().is_empty() {
-            return motion;
+            return moved;
         }
         let particles = model.particles();
         if self.impulses.len() != state.positions.len() {
@@ -55,9 +56,11 @@ impl Limiter {
             let momentum = (velocity + 0.5 * change) * (mass + step * drag);
             state.limit_work.on_free += change.dot(momentum - forces.get(particle) * (0.5 * step));
             state.velocities.set(particle, velocity + change);
-            motion.power_after += change.dot(forces.get(particle));
-            motion.kinetic_energy += mass * change.dot(velocity + 0.5 * change);
+            let growth = change.dot(velocity + 0.5 * change);
+            moved.motion.power_after += change.dot(forces.get(particle));
+            moved.motion.kinetic_energy += mass * growth;
+            moved.drag_power += 2.0 * drag * growth;
         }
-        motion
+        moved
     }
 }

@@ -9,9 +9,11 @@ mod memory;
 mod motion;
 mod one_pass;
 mod pins;
+mod running_summary;
 mod stability;
 mod stable_steps;
 mod synchronous;
+mod velocity_forces;
 mod workers;
 
 pub use adaptive_step::{AdaptiveStep, IdealStep};
@@ -22,7 +24,7 @@ pub use stability::{constant_stiffness, guaranteed_stable_step, largest_stable_s
 pub use stable_steps::StableSteps;
 pub use workers::{SplitArrays, Workers};
 
-use crate::{Model, Motion, Points, State};
+use crate::{Model, Motion, Points, State, StepSummary};
 
 /// Steps [s] that are stable at one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,6 +128,15 @@ pub trait Integrator: Send {
     ///
     /// [`State::velocities`] may belong to an earlier time; these are as accurate as the positions.
     fn velocities(&mut self, model: &Model, state: &State, velocities: &mut Points);
+
+    /// From now on finds a [summary](Self::take_summary) of steps, or no more if it is not `wanted`. No bit of a step changes.
+    fn summarise(&mut self, is_wanted: bool);
+
+    /// The summary of the steps since it was taken last; that of none if nobody wants it.
+    ///
+    /// A method may know strains only once it has the forces where a step ends: when that of the next step begins, or velocities
+    /// are asked for. A step that is taken back counts, too: whoever does so takes the summary, and drops it.
+    fn take_summary(&mut self) -> StepSummary;
 
     /// The threads that the method works with.
     fn workers(&self) -> &Workers;

@@ -59,15 +59,28 @@ pub(super) struct Moved {
     /// Whether all positions stay finite.
     pub(super) is_finite: bool,
     pub(super) motion: Motion,
+    /// Σ k_d v² [W] over free particles, with their velocities over the step.
+    pub(super) drag_power: f64,
 }
 
 impl Moved {
     pub(super) fn add(self, other: Self) -> Self {
-        Self { is_finite: self.is_finite && other.is_finite, motion: self.motion.add(other.motion) }
+        Self {
+            is_finite: self.is_finite && other.is_finite,
+            motion: self.motion.add(other.motion),
+            drag_power: self.drag_power + other.drag_power,
+        }
     }
 }
 
-/// Moves the particles of `block`, and measures their motion if asked to.
+/// What is to be found of a motion, beside the motion; zero if it is not.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted {
+    pub(super) energies: bool,
+    pub(super) drag_power: bool,
+}
+
+/// Moves the particles of `block`, and finds what is `wanted` of their motion.
 pub(super) struct MoveBlock<'a, 'b> {
     /// The state of all particles from which they move, where it is not the one that is overwritten.
     pub(super) from: Option<&'a State>,
@@ -80,7 +93,7 @@ pub(super) struct MoveBlock<'a, 'b> {
     pub(super) velocities: PointsMut<'b>,
     /// Forces [N] on the block along x, y and z.
     pub(super) forces: [&'a [f64]; 3],
-    pub(super) is_measured: bool,
+    pub(super) wanted: Wanted,
 }
 
 impl Vectorise for MoveBlock<'_, '_> {
@@ -88,7 +101,7 @@ impl Vectorise for MoveBlock<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Moved {
-        let Self { from, particles, steps, block, positions, velocities, forces, is_measured } = self;
+        let Self { from, particles, steps, block, positions, velocities, forces, wanted } = self;
         let [from_x, from_y, from_z] = match from {
             Some(from) => {
                 let [[x, y, z], [u, v, w]] =
@@ -103,8 +116,8 @@ impl Vectorise for MoveBlock<'_, '_> {
             Axis { from: from_y, positions: positions.y, velocities: velocities.y, forces: force_y },
             Axis { from: from_z, positions: positions.z, velocities: velocities.z, forces: force_z },
         ];
-        let mut moved = Moved { is_finite: true, motion: Motion::default() };
-        if is_measured {
+        let mut moved = Moved { is_finite: true, ..Moved::default() };
+        if wanted.energies {
             moved.motion.power_before = power(particles, block, &axes, false);
         }
         let mut others = [Other::default(); ParticleStretch::MAX_OTHERS];
@@ -118,7 +131,10 @@ impl Vectorise for MoveBlock<'_, '_> {
                 moved.is_finite &= axis.move_stretch(&stretch, block.start, (most, others), steps.next);
             }
         }
-        if is_measured {
+        if wanted.drag_power {
+            moved.drag_power = drag_power(particles, block, &axes);
+        }
+        if wanted.energies {
             moved.motion.power_after = power(particles, block, &axes, true);
             moved.motion.kinetic_energy = kinetic_energy(particles, block, &axes);
         }
@@ -222,6 +238,31 @@ fn kinetic_energy(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>;
         energy += 0.5 * run.mass * dots_in_lanes(velocities, velocities);
     }
     energy
+}
+
+/// Σ k_d v² [W] over the free particles of a block: pins have no velocity until they are placed.
+#[inline(always)]
+fn drag_power(particles: &Particles, block: &Range<usize>, axes: &[Axis<'_>; 3]) -> f64 {
+    let mut power = 0.0;
+    for stretch in particles.stretches(block) {
+        let own = stretch.particles.start - block.start..stretch.particles.end - block.start;
+        let [x, y, z] = axes;
+        let drag = if stretch.is_pinned { 0.0 } else { stretch.drag };
+        if 0.0 < drag {
+            let velocities = [&x.velocities[own.clone()], &y.velocities[own.clone()], &z.velocities[own]];
+            power += drag * dots_in_lanes(velocities, velocities);
+        }
+        for other in stretch.others {
+            // It counted as most do.
+            let more = other.drag - drag;
+            if more != 0.0 {
+                let at = other.particle - block.start;
+                let [x, y, z] = [x.velocities[at], y.velocities[at], z.velocities[at]];
+                power += more * (x * x + y * y + z * z);
+            }
+        }
+    }
+    power
 }
 
 /// Moves equal particles along one axis by `step` [s]; whether all positions stay finite.
@@ -342,15 +383,15 @@ mod tests {
                 positions,
                 velocities,
                 forces: forces.slice(block),
-                is_measured: true,
+                wanted: Wanted { energies: true, drag_power: true },
             }));
         }
         (to, combined(&results).expect("a block"))
     }
 
     /// Particle by particle with constants of its own, and the energies of the free ones.
-    fn expected(particles: &Particles, state: &State, forces: &Points) -> (State, Motion) {
-        let (mut to, mut motion) = (state.clone(), Motion::default());
+    fn expected(particles: &Particles, state: &State, forces: &Points) -> (State, Moved) {
+        let (mut to, mut moved) = (state.clone(), Moved::default());
         for index in 0..particles.len() {
             if particles.pinned()[index] {
                 to.velocities.set(index, DVec3::ZERO);
@@ -362,16 +403,17 @@ mod tests {
             let after = velocity * before + force * forces.get(index);
             to.velocities.set(index, after);
             to.positions.set(index, state.positions.get(index) + STEPS.next * after);
-            motion = motion.add(Motion {
+            moved.drag_power += drag * after.length_squared();
+            moved.motion = moved.motion.add(Motion {
                 kinetic_energy: 0.5 * mass * after.length_squared(),
                 power_before: forces.get(index).dot(before),
                 power_after: forces.get(index).dot(after),
             });
         }
-        (to, motion)
+        (to, moved)
     }
 
-    /// With the same bits; energies, which are summed in another order, to rounding.
+    /// With the same bits; energies and powers, which are summed in another order, to rounding.
     #[test]
     fn blocks_move_as_their_particles_do() {
         for count in [1, 7, 500] {
@@ -379,7 +421,7 @@ mod tests {
             let mut state = State::at_rest(wave(count, 1.0));
             state.velocities = wave(count, 3.0);
             let forces = wave(count, 0.5);
-            let (end, motion) = expected(&particles, &state, &forces);
+            let (end, expected) = expected(&particles, &state, &forces);
             for instructions in InstructionSet::available() {
                 for (size, is_apart) in [(1, false), (1, true), (97, false), (97, true), (500, true)] {
                     let (found, moved) = moved(&particles, (&state, &forces), size, is_apart, instructions);
@@ -388,9 +430,10 @@ mod tests {
                     assert_eq!(found.velocities, end.velocities, "{case}");
                     assert!(moved.is_finite, "{case}");
                     for (found, expected) in [
-                        (moved.motion.kinetic_energy, motion.kinetic_energy),
-                        (moved.motion.power_before, motion.power_before),
-                        (moved.motion.power_after, motion.power_after),
+                        (moved.motion.kinetic_energy, expected.motion.kinetic_energy),
+                        (moved.motion.power_before, expected.motion.power_before),
+                        (moved.motion.power_after, expected.motion.power_after),
+                        (moved.drag_power, expected.drag_power),
                     ] {
                         // Of numbers below 2e-2 J and 3 W each.
                         assert!(

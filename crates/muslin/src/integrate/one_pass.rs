@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::block_forces::eval_block;
-use super::motion::{MoveBlock, Moved, Steps, combined};
+use super::motion::{MoveBlock, Moved, Steps, Wanted, combined};
 use super::stability::configuration;
 use super::workers::for_each_block;
 use super::{SplitArrays, StepTo, Workers};
@@ -23,6 +23,8 @@ pub(super) struct BandMemory {
 pub(super) struct OnePass {
     /// Of each block.
     moved: Vec<Moved>,
+    /// Whether the power of drag is to be found.
+    pub(super) finds_drag: bool,
 }
 
 impl OnePass {
@@ -36,35 +38,29 @@ impl OnePass {
         memories: &mut [BandMemory],
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
+        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         let (at, particles) = (configuration(model, from), model.particles());
         let moved = self.of_blocks(model.blocks());
         let arrays = ((state.positions.as_mut(), state.velocities.as_mut()), moved);
-        let step_band =
-            |blocks: &[Range<usize>], (arrays, moved): (_, OfBlocks<'_>), memory: &mut BandMemory| {
-                let BandMemory { sweep, forces: [forces, _] } = memory;
-                let mut moved = moved.values.iter_mut();
-                sweep.restart();
-                let step_block =
-                    |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
-                        eval_block(model, at, block, room_for(forces, block), sweep);
-                        let forces = forces.slice(&(0..block.len()));
-                        let from = Some(from);
-                        let task = MoveBlock {
-                            from,
-                            particles,
-                            steps,
-                            block,
-                            positions,
-                            velocities,
-                            forces,
-                            is_measured,
-                        };
-                        if let Some(moved) = moved.next() {
-                            *moved = model.instructions().run(task);
-                        }
-                    };
-                for_each_block(blocks, arrays, step_block, |(), ()| ());
-            };
+        let step_band = |blocks: &[Range<usize>],
+                         (arrays, moved): (_, OfBlocks<'_>),
+                         memory: &mut BandMemory| {
+            let BandMemory { sweep, forces: [forces, _] } = memory;
+            let mut moved = moved.values.iter_mut();
+            sweep.restart();
+            let step_block =
+                |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
+                    eval_block(model, at, block, room_for(forces, block), sweep);
+                    let forces = forces.slice(&(0..block.len()));
+                    let from = Some(from);
+                    let task =
+                        MoveBlock { from, particles, steps, block, positions, velocities, forces, wanted };
+                    if let Some(moved) = moved.next() {
+                        *moved = model.instructions().run(task);
+                    }
+                };
+            for_each_block(blocks, arrays, step_block, |(), ()| ());
+        };
         workers.for_bands(model.blocks(), arrays, memories, &step_band, &|(), ()| ());
         combined(&self.moved)
     }
@@ -78,6 +74,7 @@ impl OnePass {
         BandMemory { sweep, forces }: &mut BandMemory,
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
+        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;
         sweep.restart();
@@ -93,8 +90,7 @@ impl OnePass {
                     (state.positions.slice_mut(block), state.velocities.slice_mut(block));
                 let forces = forces[index % 2].slice(&(0..block.len()));
                 let from = None;
-                let task =
-                    MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
+                let task = MoveBlock { from, particles, steps, block, positions, velocities, forces, wanted };
                 moved[index] = model.instructions().run(task);
             }
         }
@@ -113,6 +109,7 @@ impl OnePass {
         mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
+        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         (state.time, state.last_step) = (time, step);
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;
@@ -123,8 +120,7 @@ impl OnePass {
                 let (positions, velocities) =
                     (state.positions.slice_mut(block), state.velocities.slice_mut(block));
                 let forces = forces.slice(block);
-                let task =
-                    MoveBlock { from, particles, steps, block, positions, velocities, forces, is_measured };
+                let task = MoveBlock { from, particles, steps, block, positions, velocities, forces, wanted };
                 *moved = model.instructions().run(task);
             }
             if let Some(block) = next.checked_sub(1).map(|index| &blocks[index]) {

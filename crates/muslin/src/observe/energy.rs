@@ -6,10 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::pin_work::PinWork;
 use super::{Frame, Observer};
 use crate::force::{Configuration, Force, PotentialEnergies, Sweep};
-use crate::instructions::Vectorise;
-use crate::model::Particles;
-use crate::points::{dots_in_lanes, sum_in_lanes};
-use crate::{Model, Points, PointsMut, State};
+use crate::points::sum_in_lanes;
+use crate::{Model, Points, PointsMut, State, StepSummary};
 
 /// Energies [J] at one time.
 ///
@@ -219,8 +217,6 @@ impl Observer for EnergyLedger {
             self.initial.is_some(),
             "an energy ledger sees the first frame before any step: call `Simulation::observe`"
         );
-        let drag = DragPower { particles: model.particles(), velocities: &state.velocities };
-        self.current.drag_loss += model.instructions().run(drag) * state.last_step;
         self.current.limit_loss -= state.limit_work.on_free + state.limit_work.on_pins;
         self.current.friction_loss += state.friction_loss;
         self.current.pin_work += self.pins.add_step(model, state) - state.limit_work.on_pins;
@@ -230,6 +226,14 @@ impl Observer for EnergyLedger {
             std::mem::swap(&mut self.external_before, &mut self.external_after);
         }
         self.add_work_of_moving(model, state);
+    }
+
+    fn wants_summary(&self) -> bool {
+        true
+    }
+
+    fn summary(&mut self, summary: &StepSummary) {
+        self.current.drag_loss += summary.drag_loss;
     }
 
     fn frame(&mut self, model: &Model, frame: &Frame<'_>) {
@@ -305,27 +309,6 @@ fn sum_forces<'a>(
             force.add_forces(at, block, &mut own, &mut sweep);
             rest = others;
         }
-    }
-}
-
-/// Σ k_d v² [W] of the free particles with the state's velocities.
-struct DragPower<'a> {
-    particles: &'a Particles,
-    velocities: &'a Points,
-}
-
-impl Vectorise for DragPower<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { particles, velocities } = self;
-        let mut power = 0.0;
-        for run in particles.runs(&(0..particles.len())).filter(|run| !run.is_pinned && run.drag > 0.0) {
-            let velocities = velocities.slice(&run.particles);
-            power += run.drag * dots_in_lanes(velocities, velocities);
-        }
-        power
     }
 }
 

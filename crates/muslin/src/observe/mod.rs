@@ -15,7 +15,7 @@ pub use hash::StateHash;
 pub use record::{FrameRecord, Recorder, StepCounts};
 pub use strain::{FamilyStrain, StrainMonitor};
 
-use crate::{Model, Points, State};
+use crate::{Model, Points, State, StepSummary};
 
 /// The state at one of the times at which a run is written.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,17 @@ pub trait Observer: Send {
     /// Looks at `state` after a step of [`State::last_step`].
     fn step(&mut self, model: &Model, state: &State) {
         let _ = (model, state);
+    }
+
+    /// Whether it wants a [`summary`](Self::summary) of the next steps, which makes them about a tenth longer.
+    fn wants_summary(&self) -> bool {
+        false
+    }
+
+    /// Hears what was found over the steps since the last frame: before it looks at the next one, or before a run ends
+    /// with an error.
+    fn summary(&mut self, summary: &StepSummary) {
+        let _ = summary;
     }
 
     /// Hears that a step was tried and taken back; `state` is the one that it began from.

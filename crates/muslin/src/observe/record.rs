@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{EnergyLedger, EnergyTerms, FamilyStrain, Frame, Observer, StateHash, StrainMonitor};
-use crate::{Model, State};
+use crate::{Model, State, StepSummary};
 
 /// What was measured in one frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,7 +89,15 @@ impl Observer for Recorder {
         self.steps.smallest = Some(self.steps.smallest.map_or(step, |smallest| smallest.min(step)));
         self.steps.largest = Some(self.steps.largest.map_or(step, |largest| largest.max(step)));
         self.ledger.step(model, state);
-        self.strains.step(model, state);
+    }
+
+    fn wants_summary(&self) -> bool {
+        true
+    }
+
+    fn summary(&mut self, summary: &StepSummary) {
+        self.ledger.summary(summary);
+        self.strains.summary(summary);
     }
 
     fn refused_step(&mut self, _: &Model, _: &State) {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Frame, Observer};
 use crate::force::{Configuration, StrainSums};
-use crate::{Model, State};
+use crate::{Model, StepSummary};
 
 /// Strains e = (ℓ − L) / L [1] of one family of springs in one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,16 +53,13 @@ impl StrainMonitor {
 }
 
 impl Observer for StrainMonitor {
-    fn step(&mut self, model: &Model, state: &State) {
-        let at = Configuration {
-            time: state.time,
-            particles: model.particles(),
-            positions: &state.positions,
-            velocities: &state.velocities,
-            memory: &state.memory,
-        };
-        for force in model.forces() {
-            force.raise_max_strains(at, &mut self.maxima);
+    fn wants_summary(&self) -> bool {
+        true
+    }
+
+    fn summary(&mut self, summary: &StepSummary) {
+        for (max, strain) in self.maxima.iter_mut().zip(summary.max_strains) {
+            *max = max.max(strain);
         }
     }
 
