@@ -92,7 +92,7 @@ pub(crate) struct RunArguments {
     /// Folder to write; `out/NAME` for a scene file NAME.toml if left out
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
+    /// Threads of the steps; chosen by the size of the cloth if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Go on with the interrupted run in the folder
@@ -119,7 +119,7 @@ pub(crate) struct CheckArguments {
 pub(crate) struct VerifyArguments {
     /// Folder that a run wrote
     pub(crate) dir: PathBuf,
-    /// Threads; chosen by the size of the cloth if left out. Results do not depend on it
+    /// Threads of the steps; chosen by the size of the cloth if left out. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
 }

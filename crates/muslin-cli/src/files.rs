@@ -13,8 +13,8 @@ use muslin::{Model, Points};
 
 use crate::error::CliError;
 use crate::file_progress::FileProgress;
-use crate::frame_store::FrameStore;
-use crate::output::SUMMARY;
+use crate::frame_store::FrameReader;
+use crate::output::{OutputFile, SUMMARY};
 use crate::progress::{duration_text, strain_text};
 use crate::run::Run;
 use crate::scene_file::SceneFile;
@@ -56,44 +56,44 @@ pub(crate) fn write_files(
         progress.writing("data files");
         output.write(data.name(), |out| io::Write::write_all(out, data.bytes()))?;
     }
-    progress.writing("trajectory.npz");
-    output.write("trajectory.npz", |out| {
-        write_trajectory(out, &times, &model.surface(usize::MAX).triangles, store)
-    })?;
-    progress.writing("series.csv");
-    output.write("series.csv", |out| {
+    let drawn = drawn_frames(&mut store.reader()?, matches!(ending, Ending::Failed(_)))
+        .map_err(|error| CliError::write(&output.partial(), &error))?;
+    let mut motion = store.reader()?;
+    let trajectory = OutputFile::new("trajectory.npz", move |out| {
+        write_trajectory(out, &times, &model.surface(usize::MAX).triangles, &mut motion)
+    });
+    let series = OutputFile::new("series.csv", |out| {
         let columns = series_columns(frames);
         let columns: Vec<(&str, &[f64])> =
             columns.iter().map(|(name, values)| (name.as_str(), &values[..])).collect();
         write_series(out, &columns)
-    })?;
-    let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
-    let info = GlbInfo { title: scene.title(), cloth_names: &names, frame_rate: scene.run().frame_rate };
-    let pictures = &mut PictureFrames::new(store, matches!(ending, Ending::Failed(_)))
-        .map_err(|error| CliError::write(&output.partial(), &error))?;
-    if pictures.frame_count() == 0 {
+    });
+    if drawn == 0 {
         output.remove(&["cloth.glb", "poster.png", "view.html"])?;
+        progress.writing("trajectory.npz");
+        output.write_together(vec![trajectory, series])?;
     } else {
-        progress.writing("cloth.glb");
-        output.write("cloth.glb", |out| write_glb(out, &info, &model.surface(GLB_VERTICES), pictures))?;
-        progress.writing("poster.png");
-        output.write("poster.png", |out| {
+        let mut pictures =
+            || Ok::<_, CliError>(PictureFrames { reader: store.reader()?, frame_count: drawn });
+        let [mut of_glb, mut of_poster, mut of_view] = [pictures()?, pictures()?, pictures()?];
+        let names: Vec<&str> = model.cloths().iter().map(|cloth| cloth.name.as_str()).collect();
+        let (title, frame_rate) = (scene.title(), scene.run().frame_rate);
+        let glb = OutputFile::new("cloth.glb", |out| {
+            let info = GlbInfo { title, cloth_names: &names, frame_rate };
+            write_glb(out, &info, &model.surface(GLB_VERTICES), &mut of_glb)
+        });
+        let poster = OutputFile::new("poster.png", |out| {
             let mut positions = Points::default();
-            pictures.read_positions(pictures.frame_count() - 1, &mut positions)?;
+            of_poster.read_positions(drawn - 1, &mut positions)?;
             write_poster(out, &model.surface(POSTER_VERTICES), &positions, &pins, POSTER_SIZE)
-        })?;
+        });
         let info = view_info(run.scene, model, &run.recorder, ending);
-        progress.writing("view.html");
-        output.write("view.html", |out| {
-            write_view(
-                out,
-                &info,
-                &model.surface(VIEW_VERTICES),
-                &pins,
-                &mut particle_strains(model),
-                pictures,
-            )
-        })?;
+        let view = OutputFile::new("view.html", |out| {
+            let surface = model.surface(VIEW_VERTICES);
+            write_view(out, &info, &surface, &pins, &mut particle_strains(model), &mut of_view)
+        });
+        progress.writing("trajectory.npz, cloth.glb, poster.png and view.html");
+        output.write_together(vec![trajectory, series, glb, poster, view])?;
     }
     let outcomes = outcomes(scene, &run.recorder, ending);
     let [wall_seconds, stepping_seconds] = run.times();
@@ -121,43 +121,39 @@ pub(crate) fn write_files(
     Ok(outcomes)
 }
 
-/// The frames that can be drawn: those before the motion, if it is unstable, leaves all bounds.
-struct PictureFrames<'a> {
-    store: &'a mut FrameStore,
+/// How many frames can be drawn, which are those before the motion, if it is unstable, leaves all bounds: the first of `frames` whose
+/// coordinates stay within [`PICTURE_LIMIT`] and, if the run failed, within [`FAILED_LIMIT`] times the largest at time zero, or
+/// metres if that is less than a metre.
+fn drawn_frames(frames: &mut FrameReader, has_failed: bool) -> io::Result<usize> {
+    let mut positions = Points::default();
+    let mut limit = PICTURE_LIMIT;
+    for frame in 0..frames.frame_count() {
+        frames.read_positions(frame, &mut positions)?;
+        let axes = [&positions.x, &positions.y, &positions.z];
+        let largest = axes.into_iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        if frame == 0 && has_failed {
+            limit = limit.min(FAILED_LIMIT * largest.max(1.0));
+        }
+        if limit < largest {
+            return Ok(frame);
+        }
+    }
+    Ok(frames.frame_count())
+}
+
+/// The frames that can be drawn.
+struct PictureFrames {
+    reader: FrameReader,
     frame_count: usize,
 }
 
-impl<'a> PictureFrames<'a> {
-    /// The first frames of `store` whose coordinates stay within [`PICTURE_LIMIT`] and, if the run failed, within
-    /// [`FAILED_LIMIT`] times the largest at time zero, or metres if that is less than a metre.
-    fn new(store: &'a mut FrameStore, has_failed: bool) -> io::Result<Self> {
-        let mut positions = Points::default();
-        let mut limit = PICTURE_LIMIT;
-        let mut frame_count = 0;
-        while frame_count < store.frame_count() {
-            store.read_positions(frame_count, &mut positions)?;
-            let axes = [&positions.x, &positions.y, &positions.z];
-            let largest =
-                axes.into_iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            if frame_count == 0 && has_failed {
-                limit = limit.min(FAILED_LIMIT * largest.max(1.0));
-            }
-            if limit < largest {
-                break;
-            }
-            frame_count += 1;
-        }
-        Ok(Self { store, frame_count })
-    }
-}
-
-impl FrameSource for PictureFrames<'_> {
+impl FrameSource for PictureFrames {
     fn frame_count(&self) -> usize {
         self.frame_count
     }
 
     fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
-        self.store.read_positions(frame, positions)
+        self.reader.read_positions(frame, positions)
     }
 }
 

@@ -53,9 +53,8 @@ impl FrameStore {
         fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
         let create = |name: &str| {
             let path = folder.join(name);
-            let options = File::options().read(true).write(true).create(true).truncate(true).open(&path);
-            options
-                .map(|file| BufWriter::with_capacity(1 << 20, file))
+            let file = File::options().write(true).create(true).truncate(true).open(&path);
+            file.map(|file| BufWriter::with_capacity(1 << 20, file))
                 .map_err(|error| CliError::write(&path, &error))
         };
         Ok(Self {
@@ -78,7 +77,7 @@ impl FrameStore {
         let open = |name: &str| {
             let path = folder.join(name);
             let open = || {
-                let mut file = File::options().read(true).write(true).open(&path)?;
+                let mut file = File::options().write(true).open(&path)?;
                 if file.metadata()?.len() < length {
                     return Err(io::Error::new(
                         io::ErrorKind::UnexpectedEof,
@@ -158,6 +157,21 @@ impl FrameStore {
         }
     }
 
+    /// Its frames so far, to be read beside others that do.
+    pub(crate) fn reader(&mut self) -> Result<FrameReader, CliError> {
+        self.flush()?;
+        let open = |name: &str| {
+            let path = self.folder.join(name);
+            File::open(&path).map_err(|error| CliError::read(&path, &error, "start again with `--force`"))
+        };
+        Ok(FrameReader {
+            particle_count: self.particle_count,
+            frame_count: self.frame_count,
+            positions: open(POSITIONS)?,
+            velocities: open(VELOCITIES)?,
+        })
+    }
+
     /// Makes all frames readable.
     pub(crate) fn flush(&mut self) -> Result<(), CliError> {
         for (file, name) in [(&mut self.positions, POSITIONS), (&mut self.velocities, VELOCITIES)] {
@@ -167,21 +181,29 @@ impl FrameStore {
     }
 }
 
-impl FrameSource for FrameStore {
+/// The frames of a [`FrameStore`], in files that it has opened for itself.
+pub(crate) struct FrameReader {
+    particle_count: usize,
+    frame_count: u64,
+    positions: File,
+    velocities: File,
+}
+
+impl FrameSource for FrameReader {
     fn frame_count(&self) -> usize {
         self.frame_count as usize
     }
 
     fn read_positions(&mut self, frame: usize, positions: &mut Points) -> io::Result<()> {
         let offset = frame as u64 * frame_bytes(self.particle_count);
-        read_at(self.positions.get_mut(), offset, self.particle_count, positions)
+        read_at(&mut self.positions, offset, self.particle_count, positions)
     }
 }
 
-impl MotionSource for FrameStore {
+impl MotionSource for FrameReader {
     fn read_velocities(&mut self, frame: usize, velocities: &mut Points) -> io::Result<()> {
         let offset = frame as u64 * frame_bytes(self.particle_count);
-        read_at(self.velocities.get_mut(), offset, self.particle_count, velocities)
+        read_at(&mut self.velocities, offset, self.particle_count, velocities)
     }
 }
 
@@ -209,11 +231,12 @@ impl Checkpoint {
 
     /// The state at the checkpoint, whose positions are those of its frame in `store`.
     pub(crate) fn state(&self, store: &mut FrameStore) -> Result<State, CliError> {
+        let mut frames = store.reader()?;
         let mut state = State::at_rest(Points::zeros(store.particle_count));
         (state.time, state.last_step, state.step_memory) = (self.time, self.last_step, self.step_memory);
         let path = store.folder.join(half_step_file(self.frame_index));
         let mut read = || {
-            store.read_positions(self.frame_index as usize, &mut state.positions)?;
+            frames.read_positions(self.frame_index as usize, &mut state.positions)?;
             let mut file = File::open(&path)?;
             read_points(&mut file, store.particle_count, &mut state.velocities)?;
             // A damaged number must not ask for more memory than there is.
@@ -272,8 +295,5 @@ fn frame_bytes(particle_count: usize) -> u64 {
 /// Overwrites `points` with the `count` points at byte `offset` of `file`.
 fn read_at(file: &mut File, offset: u64, count: usize, points: &mut Points) -> io::Result<()> {
     file.seek(SeekFrom::Start(offset))?;
-    read_points(file, count, points)?;
-    // Frames are appended where the last one ended.
-    file.seek(SeekFrom::End(0))?;
-    Ok(())
+    read_points(file, count, points)
 }

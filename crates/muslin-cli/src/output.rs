@@ -5,6 +5,7 @@ use std::io::{self, BufWriter};
 use std::iter;
 use std::path::{Component, Path, PathBuf};
 
+use rayon::prelude::*;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
@@ -37,6 +38,24 @@ pub(crate) enum Existing {
     Keep,
     /// Replace the files of an earlier run once the new ones are whole.
     Replace,
+}
+
+/// What writes a file.
+type WriteFile<'a> = dyn FnOnce(&mut BufWriter<File>) -> io::Result<()> + Send + 'a;
+
+/// A file to be written, and how.
+pub(crate) struct OutputFile<'a> {
+    name: &'static str,
+    write: Box<WriteFile<'a>>,
+}
+
+impl<'a> OutputFile<'a> {
+    pub(crate) fn new(
+        name: &'static str,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()> + Send + 'a,
+    ) -> Self {
+        Self { name, write: Box::new(write) }
+    }
 }
 
 /// A folder with whole files only, and inside it the run in progress.
@@ -241,6 +260,27 @@ impl OutputFolder {
         name: &str,
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), CliError> {
+        let hash = self.write_and_hash(name, write)?;
+        self.hashes.insert(name.to_owned(), hash.into());
+        Ok(())
+    }
+
+    /// The same with several files at once, on as many threads as the machine has; all of them, even if one cannot be written.
+    pub(crate) fn write_together(&mut self, files: Vec<OutputFile<'_>>) -> Result<(), CliError> {
+        let write = |OutputFile { name, write }| (name, self.write_and_hash(name, write));
+        let written: Vec<_> = files.into_par_iter().map(write).collect();
+        for (name, hash) in written {
+            self.hashes.insert(name.to_owned(), hash?.into());
+        }
+        Ok(())
+    }
+
+    /// Writes the file `name` as [`write`](Self::write) does; its SHA-256.
+    fn write_and_hash(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<String, CliError> {
         let unfinished = self.partial().join(name);
         let path = self.path.join(name);
         // A data file may be in a folder.
@@ -253,9 +293,7 @@ impl OutputFolder {
             fs::rename(&unfinished, &path)?;
             Ok(hash)
         };
-        let hash = finish().map_err(|error| CliError::write(&path, &error))?;
-        self.hashes.insert(name.to_owned(), hash.into());
-        Ok(())
+        finish().map_err(|error| CliError::write(&path, &error))
     }
 
     /// Removes files of an earlier run that this one has none of.

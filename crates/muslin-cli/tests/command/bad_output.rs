@@ -131,7 +131,7 @@ fn a_folder_without_permission() {
 }
 
 /// A limit on the size of files stands for a full disk: first one that the frames exceed, then one that they keep but
-/// `trajectory.npz`, with twice their size, does not.
+/// `trajectory.npz`, with twice their size, does not. What else there is room for is written.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_fills_up_half_way() {
@@ -143,7 +143,11 @@ fn a_disk_that_fills_up_half_way() {
     work.muslin("run scene.toml --out whole").assert_success();
     let cases = [
         (2400, ".partial/positions.f64", [".partial"].as_slice()),
-        (4000, ".partial/trajectory.npz", [".partial", "scene.toml"].as_slice()),
+        (
+            4000,
+            ".partial/trajectory.npz",
+            &[".partial", "cloth.glb", "poster.png", "scene.toml", "series.csv", "view.html"],
+        ),
     ];
     for (blocks, file, names) in cases {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
