@@ -37,7 +37,7 @@ pub use grid_laws::{GridLaws, Lines, SpringGroup};
 pub use grid_springs::GridSprings;
 pub use gust::Gust;
 pub use law::{
-    ArctangentLaw, BucklingLaw, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw, TensionLaw,
+    ArctangentLaw, BucklingLaw, Cubic, CurveLaw, LinearLaw, ReducedLaw, SpringLaw, TangentLaw, TensionLaw,
 };
 pub use noise::{Noise, RandomStream};
 pub use row_sweep::Sweep;

@@ -6,7 +6,7 @@ use super::GridBending;
 use super::bending::LineRigidity;
 use super::grid_laws::Lines;
 use super::grid_springs::GridFamily;
-use super::law::{LawVisitor, TensionLaw};
+use super::law::{Cubic, LawVisitor, TensionLaw};
 use super::row_sums::{ABOVE, FarPulls, PAD};
 use super::spring::{Spring, SpringLength};
 use super::tile::{Coordinates, Ends, SHAPES, STRIDE, Shape, TILE, Tile};
@@ -326,18 +326,72 @@ impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'
     fn visit<L: TensionLaw>(self, law: L) {
         let Self { spring, twist, arrays: (coefficients, squares) } = self;
         let spring = (spring.with_law(law), twist);
-        match spring.0.direction {
-            ForceDirection::CurrentLength => {
-                eval_coefficients::<L, BOUNDED, TWISTED, true>(spring, squares, coefficients);
-            }
-            ForceDirection::RestLength => {
-                eval_coefficients::<L, BOUNDED, TWISTED, false>(spring, squares, coefficients);
+        if L::HAS_CUBICS {
+            eval_by_eights::<L, BOUNDED, TWISTED>(&spring, squares, coefficients);
+        } else {
+            eval_by_direction::<L, BOUNDED, TWISTED>(spring, squares, coefficients);
+        }
+    }
+}
+
+/// Eight springs at a time under a law of cubics, most often of one: each is evaluated for all eight, and those keep it that are at it.
+#[inline(always)]
+fn eval_by_eights<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
+    (spring, twist): &(Spring<L>, f64),
+    squares: &mut [f64],
+    coefficients: &mut [f64],
+) {
+    let &Spring { ref law, rest_length, direction } = spring;
+    let (squares, _) = squares.as_chunks_mut::<STRIDE>();
+    let (coefficients, _) = coefficients.as_chunks_mut::<STRIDE>();
+    for (squares, coefficients) in squares.iter_mut().zip(coefficients) {
+        let (known_squares, guesses) = (*squares, *coefficients);
+        let mut extensions = [0.0; STRIDE];
+        for i in 0..STRIDE {
+            extensions[i] = SpringLength::from_guess(known_squares[i], guesses[i]).length - rest_length;
+        }
+        for (index, &law) in law.cubics(least_and_most(&extensions), rest_length).iter().enumerate() {
+            let (mut stiffnesses, mut found) = (known_squares, guesses);
+            let spring = (Spring { law, rest_length, direction }, *twist);
+            eval_by_direction::<Cubic, BOUNDED, TWISTED>(spring, &mut stiffnesses, &mut found);
+            for i in 0..STRIDE {
+                let is_at_it = index == 0 || law.start <= extensions[i] / rest_length;
+                squares[i] = if is_at_it { stiffnesses[i] } else { squares[i] };
+                coefficients[i] = if is_at_it { found[i] } else { coefficients[i] };
             }
         }
     }
 }
 
-/// A loop for each direction of the force, by the length of springs that is `CURRENT` or at rest, in which it is known.
+/// The least and the most of eight numbers, of those that are numbers.
+#[inline(always)]
+fn least_and_most(values: &[f64; STRIDE]) -> [f64; 2] {
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for &value in values {
+        least = if value < least { value } else { least };
+        most = if most < value { value } else { most };
+    }
+    [least, most]
+}
+
+/// A loop for each direction of the force.
+#[inline(always)]
+fn eval_by_direction<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
+    spring: (Spring<L>, f64),
+    squares: &mut [f64],
+    coefficients: &mut [f64],
+) {
+    match spring.0.direction {
+        ForceDirection::CurrentLength => {
+            eval_coefficients::<L, BOUNDED, TWISTED, true>(spring, squares, coefficients);
+        }
+        ForceDirection::RestLength => {
+            eval_coefficients::<L, BOUNDED, TWISTED, false>(spring, squares, coefficients);
+        }
+    }
+}
+
+/// The same with a direction that is known: by the length of springs that is `CURRENT` or at rest.
 #[inline(always)]
 fn eval_coefficients<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool, const CURRENT: bool>(
     (spring, twist): (Spring<L>, f64),

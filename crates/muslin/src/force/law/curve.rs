@@ -35,13 +35,14 @@ pub struct CurveLaw {
     /// Strains of the points [1], ascending.
     strains: Vec<f64>,
     /// One more than points: before the first, from each to the next, after the last.
-    pieces: Vec<Piece>,
+    pieces: Vec<Cubic>,
 }
 
-/// A cubic in t = e − start: f = Σ cₖ tᵏ [N].
+/// A piece of a [`CurveLaw`], a cubic in t = e − start: f = Σ cₖ tᵏ [N].
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
-    start: f64,
+pub struct Cubic {
+    /// Strain [1] from which on it holds, but for the first of a law, which holds up to there.
+    pub(crate) start: f64,
     coefficients: [f64; 4],
     /// ∫ f ds [N] and ∫ f s ds [N] from zero strain to the start.
     energy: f64,
@@ -56,7 +57,7 @@ impl CurveLaw {
         let tangents = tangents(points);
         let mut pieces = Vec::with_capacity(points.len() + 1);
         let end =
-            |[strain, tension]: [f64; 2], tangent: f64| Piece::new(strain, [tension, tangent, 0.0, 0.0]);
+            |[strain, tension]: [f64; 2], tangent: f64| Cubic::new(strain, [tension, tangent, 0.0, 0.0]);
         pieces.extend(points.first().zip(tangents.first()).map(|(&point, &tangent)| end(point, tangent)));
         for (pair, slopes) in points.windows(2).zip(tangents.windows(2)) {
             let [[start, tension], [next, next_tension]] = [pair[0], pair[1]];
@@ -64,7 +65,7 @@ impl CurveLaw {
             let chord = (next_tension - tension) / width;
             let second = (3.0 * chord - 2.0 * slopes[0] - slopes[1]) / width;
             let third = (slopes[0] + slopes[1] - 2.0 * chord) / (width * width);
-            pieces.push(Piece::new(start, [tension, slopes[0], second, third]));
+            pieces.push(Cubic::new(start, [tension, slopes[0], second, third]));
         }
         pieces.extend(points.last().zip(tangents.last()).map(|(&point, &tangent)| end(point, tangent)));
         let strains: Vec<f64> = points.iter().map(|point| point[0]).collect();
@@ -72,33 +73,25 @@ impl CurveLaw {
         Self { strains, pieces }
     }
 
-    /// The piece that holds `strain`.
+    /// The place of the piece that holds `strain`.
     #[inline(always)]
-    fn piece(&self, strain: f64) -> &Piece {
-        &self.pieces[self.strains.partition_point(|&start| start <= strain)]
+    fn place(&self, strain: f64) -> usize {
+        self.strains.partition_point(|&start| start <= strain)
     }
 }
 
-impl Piece {
+impl Cubic {
     fn new(start: f64, coefficients: [f64; 4]) -> Self {
         Self { start, coefficients, energy: 0.0, moment: 0.0 }
     }
 
-    /// Tension [N] and tangent [N/m] at `strain` of a spring of `rest_length` [m].
-    #[inline(always)]
-    fn tension_and_tangent(&self, strain: f64, rest_length: f64) -> (f64, f64) {
-        let t = strain - self.start;
-        let [c0, c1, c2, c3] = self.coefficients;
-        (c0 + t * (c1 + t * (c2 + t * c3)), (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length)
-    }
-
     /// ∫ f ds [N] from zero strain to `strain`.
-    fn energy(&self, strain: f64) -> f64 {
+    fn energy_to(&self, strain: f64) -> f64 {
         self.energy + self.integral(strain)
     }
 
     /// ∫ f s ds [N] from zero strain to `strain`: s is t + start.
-    fn moment(&self, strain: f64) -> f64 {
+    fn moment_to(&self, strain: f64) -> f64 {
         let t = strain - self.start;
         let [c0, c1, c2, c3] = self.coefficients;
         let weighted = t * t * (c0 / 2.0 + t * (c1 / 3.0 + t * (c2 / 4.0 + t * (c3 / 5.0))));
@@ -113,7 +106,41 @@ impl Piece {
     }
 }
 
+impl TensionLaw for Cubic {
+    #[inline(always)]
+    fn tension(&self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).0
+    }
+
+    #[inline(always)]
+    fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
+        self.tension_and_tangent(extension, rest_length).1
+    }
+
+    #[inline(always)]
+    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
+        let t = extension / rest_length - self.start;
+        let [c0, c1, c2, c3] = self.coefficients;
+        (c0 + t * (c1 + t * (c2 + t * c3)), (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length)
+    }
+
+    fn energy(&self, extension: f64, rest_length: f64) -> f64 {
+        rest_length * self.energy_to(extension / rest_length)
+    }
+
+    fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
+        rest_length * rest_length * self.moment_to(extension / rest_length)
+    }
+}
+
 impl TensionLaw for CurveLaw {
+    const HAS_CUBICS: bool = true;
+
+    fn cubics(&self, extensions: [f64; 2], rest_length: f64) -> &[Cubic] {
+        let [first, last] = extensions.map(|extension| self.place(extension / rest_length));
+        &self.pieces[first.min(last)..=last]
+    }
+
     #[inline(always)]
     fn tension(&self, extension: f64, rest_length: f64) -> f64 {
         self.tension_and_tangent(extension, rest_length).0
@@ -125,18 +152,15 @@ impl TensionLaw for CurveLaw {
 
     #[inline(always)]
     fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
-        let strain = extension / rest_length;
-        self.piece(strain).tension_and_tangent(strain, rest_length)
+        self.pieces[self.place(extension / rest_length)].tension_and_tangent(extension, rest_length)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
-        let strain = extension / rest_length;
-        rest_length * self.piece(strain).energy(strain)
+        self.pieces[self.place(extension / rest_length)].energy(extension, rest_length)
     }
 
     fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
-        let strain = extension / rest_length;
-        rest_length * rest_length * self.piece(strain).moment(strain)
+        self.pieces[self.place(extension / rest_length)].energy_moment(extension, rest_length)
     }
 }
 
@@ -170,17 +194,17 @@ fn tangents(points: &[[f64; 2]]) -> Vec<f64> {
 }
 
 /// Sets the integrals of `pieces` from zero strain, one of `strains`, outwards.
-fn add_integrals(strains: &[f64], pieces: &mut [Piece]) {
+fn add_integrals(strains: &[f64], pieces: &mut [Cubic]) {
     let rest = strains.partition_point(|&strain| strain < 0.0);
     // Piece i ends at strain i, where piece i + 1 starts.
     for i in rest + 1..strains.len() {
-        let (energy, moment) = (pieces[i].energy(strains[i]), pieces[i].moment(strains[i]));
+        let (energy, moment) = (pieces[i].energy_to(strains[i]), pieces[i].moment_to(strains[i]));
         (pieces[i + 1].energy, pieces[i + 1].moment) = (energy, moment);
     }
     for i in (1..=rest).rev() {
-        let Piece { energy, moment, start, .. } = pieces[i + 1];
+        let Cubic { energy, moment, start, .. } = pieces[i + 1];
         (pieces[i].energy, pieces[i].moment) = (0.0, 0.0);
-        let (to_end, moment_to_end) = (pieces[i].energy(start), pieces[i].moment(start));
+        let (to_end, moment_to_end) = (pieces[i].energy_to(start), pieces[i].moment_to(start));
         (pieces[i].energy, pieces[i].moment) = (energy - to_end, moment - moment_to_end);
     }
     // The first piece starts where the second does.
@@ -272,6 +296,35 @@ mod tests {
             }
             assert!(0.0 < law.tangent(0.0, 1.0));
         }
+    }
+
+    /// Of the cubics between any two extensions, the last that begins at or before a strain between them is the law there, to the bit.
+    #[test]
+    fn cubics_are_the_law() {
+        let length = 0.7;
+        for law in laws() {
+            let mut extensions: Vec<f64> =
+                law.strains.iter().flat_map(|strain| [strain * length, strain * length + 1e-3]).collect();
+            extensions.extend([-0.6, -1e-4, 0.0, 5.0]);
+            extensions.sort_by(f64::total_cmp);
+            for (index, &least) in extensions.iter().enumerate() {
+                for &most in &extensions[index..] {
+                    let cubics = law.cubics([least, most], length);
+                    let between =
+                        extensions.iter().filter(|&&extension| least <= extension && extension <= most);
+                    for &extension in between {
+                        let is_before = |cubic: &&Cubic| cubic.start <= extension / length;
+                        let cubic = cubics[1..].iter().take_while(is_before).last().unwrap_or(&cubics[0]);
+                        assert_eq!(
+                            cubic.tension_and_tangent(extension, length),
+                            law.tension_and_tangent(extension, length)
+                        );
+                    }
+                }
+            }
+        }
+        let law = law(&[[0.1, 1.0], [0.2, 3.0]]);
+        assert_eq!(law.cubics([f64::INFINITY, f64::NEG_INFINITY], 1.0).len(), 1, "nothing is between");
     }
 
     /// Midpoint sums of f and f s. Pieces are cubic, so the error is the change of f' over n² / 24 of the interval.

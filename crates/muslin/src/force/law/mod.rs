@@ -9,7 +9,7 @@ mod tangent;
 
 pub use arctangent::ArctangentLaw;
 pub use buckling::BucklingLaw;
-pub use curve::CurveLaw;
+pub use curve::{Cubic, CurveLaw};
 pub use linear::LinearLaw;
 pub use reduced::ReducedLaw;
 pub use tangent::TangentLaw;
@@ -52,6 +52,16 @@ pub trait TensionLaw: Send + Sync {
         false
     }
 
+    /// Whether the law consists of [`cubics`](Self::cubics).
+    const HAS_CUBICS: bool = false;
+
+    /// The cubics that the law consists of from the first to the second of two `extensions` [m], ascending: loops in vectors can take
+    /// all of them for some springs, but could not look for that of each.
+    fn cubics(&self, extensions: [f64; 2], rest_length: f64) -> &[Cubic] {
+        let _ = (extensions, rest_length);
+        &[]
+    }
+
     /// Energy E [J].
     fn energy(&self, extension: f64, rest_length: f64) -> f64;
 
@@ -84,6 +94,12 @@ impl<L: TensionLaw> TensionLaw for &L {
     #[inline(always)]
     fn only_stiffens(&self) -> bool {
         L::only_stiffens(self)
+    }
+
+    const HAS_CUBICS: bool = L::HAS_CUBICS;
+
+    fn cubics(&self, extensions: [f64; 2], rest_length: f64) -> &[Cubic] {
+        L::cubics(self, extensions, rest_length)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
