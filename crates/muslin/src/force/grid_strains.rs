@@ -1,6 +1,7 @@
 //! Strains of a grid's springs.
 
 use super::grid_springs::{GridFamily, GridSprings};
+use super::row_sweep::NO_STRAINS;
 use super::tile::{SHAPES, Tile};
 use super::tile_springs::TileSprings;
 use super::{Family, StrainSums};
@@ -38,10 +39,11 @@ impl LongestSprings {
         }
     }
 
-    /// Raises `max_strains` [1], per family, to those of the longest of `springs`.
+    /// Strains [1] of the longest of `springs` per family; −∞ where there are none.
     #[inline(always)]
-    pub(super) fn raise_strains(&self, springs: &GridSprings, max_strains: &mut [f64; 3]) {
+    pub(super) fn max_strains(&self, springs: &GridSprings) -> [f64; 3] {
         let (grid, swept) = (&springs.grid, springs.swept());
+        let mut max_strains = NO_STRAINS;
         for (index, max) in max_strains.iter_mut().enumerate() {
             for (direction, group) in swept[index].into_iter().enumerate() {
                 let shape = &SHAPES[index][direction];
@@ -53,6 +55,7 @@ impl LongestSprings {
                 }
             }
         }
+        max_strains
     }
 }
 

@@ -34,8 +34,8 @@ pub struct Sweep {
     max_strains: Option<[f64; 3]>,
 }
 
-/// Less than any.
-const NO_STRAINS: [f64; 3] = [f64::NEG_INFINITY; 3];
+/// Strains of no springs.
+pub(super) const NO_STRAINS: [f64; 3] = [f64::NEG_INFINITY; 3];
 
 /// What is added up from the springs of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,10 +140,10 @@ impl Vectorise for RowSweep<'_, '_> {
         let is_bounded = bounds.is_some();
         let swept = if is_bounded { Swept::ForcesAndBounds } else { Swept::Forces };
         let starts = !sweep.goes_on(&springs.grid, &rows, swept);
-        let Sweep { tile, kept, max_strains, .. } = sweep;
+        let is_watched = sweep.max_strains.is_some();
+        let Sweep { tile, kept, .. } = &mut *sweep;
         let tile = tile.get_or_insert_with(TileMemory::new);
         let swept = springs.swept();
-        let is_watched = max_strains.is_some();
         if is_watched {
             tile.longest = LongestSprings::NONE;
         }
@@ -166,8 +166,9 @@ impl Vectorise for RowSweep<'_, '_> {
             };
             pass.strip(strip, strip_forces, strip_bounds);
         }
-        if let Some(max_strains) = max_strains {
-            tile.longest.raise_strains(springs, max_strains);
+        if is_watched {
+            let max_strains = tile.longest.max_strains(springs);
+            sweep.raise_max_strains(max_strains);
         }
     }
 }

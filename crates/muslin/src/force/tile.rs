@@ -136,6 +136,17 @@ impl<'a> Ends<'a> {
     }
 }
 
+/// The particle at the place `i` [m], the ones to the right and below, and the one below to the right.
+#[inline(always)]
+pub(super) fn cell([x, y, z]: [Ends<'_>; 3], i: usize) -> [[f64; 3]; 4] {
+    [
+        [x.own[i], y.own[i], z.own[i]],
+        [x.right[i], y.right[i], z.right[i]],
+        [x.down[i], y.down[i], z.down[i]],
+        [x.down_right[i], y.down_right[i], z.down_right[i]],
+    ]
+}
+
 /// Copies of coordinates [m] near the end of a wide grid, with zeros where it has no particles.
 #[derive(Clone, Debug)]
 pub(super) struct EndCopies([[[f64; TILE + 2]; 3]; 3]);

@@ -9,7 +9,7 @@ use super::grid_springs::GridFamily;
 use super::law::{Cubic, LawVisitor, TensionLaw};
 use super::row_sums::{ABOVE, FarPulls, PAD};
 use super::spring::{Spring, SpringLength};
-use super::tile::{Coordinates, Ends, SHAPES, STRIDE, Shape, TILE, Tile};
+use super::tile::{Coordinates, Ends, SHAPES, STRIDE, Shape, TILE, Tile, cell};
 use crate::model::Grid;
 use crate::points::set_all;
 use crate::scene::ForceDirection;
@@ -244,10 +244,7 @@ fn eval_lengths<const BEND: bool>(
         [far_across_guess, far_down_guess],
     ] = guesses;
     for i in 0..count {
-        let own = [x.own[i], y.own[i], z.own[i]];
-        let right = [x.right[i], y.right[i], z.right[i]];
-        let below = [x.down[i], y.down[i], z.down[i]];
-        let below_right = [x.down_right[i], y.down_right[i], z.down_right[i]];
+        let [own, right, below, below_right] = cell([x, y, z], i);
         across[i] = square(vector(own, right));
         down[i] = square(vector(own, below));
         diagonal[i] = square(vector(own, below_right));
@@ -287,10 +284,7 @@ fn eval_lengths_and_bends(
     let (right_y, down_y) = (&mut far_y.right[PAD..][..count], &mut far_y.down[ABOVE..][..count]);
     let (right_z, down_z) = (&mut far_z.right[PAD..][..count], &mut far_z.down[ABOVE..][..count]);
     for i in 0..count {
-        let own = [x.own[i], y.own[i], z.own[i]];
-        let right = [x.right[i], y.right[i], z.right[i]];
-        let below = [x.down[i], y.down[i], z.down[i]];
-        let below_right = [x.down_right[i], y.down_right[i], z.down_right[i]];
+        let [own, right, below, below_right] = cell([x, y, z], i);
         let (to_right, to_below) = (vector(own, right), vector(own, below));
         across[i] = square(to_right);
         down[i] = square(to_below);
@@ -334,7 +328,8 @@ impl<const BOUNDED: bool, const TWISTED: bool> LawVisitor for EvalCoefficients<'
     }
 }
 
-/// Eight springs at a time under a law of cubics, most often of one: each is evaluated for all eight, and those keep it that are at it.
+/// Eight springs at a time under a law of cubics, most often all at one: each is evaluated for all eight, and those keep it at which it has
+/// begun, until the next has.
 #[inline(always)]
 fn eval_by_eights<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
     (spring, twist): &(Spring<L>, f64),
@@ -355,9 +350,9 @@ fn eval_by_eights<L: TensionLaw, const BOUNDED: bool, const TWISTED: bool>(
             let spring = (Spring { law, rest_length, direction }, *twist);
             eval_by_direction::<Cubic, BOUNDED, TWISTED>(spring, &mut stiffnesses, &mut found);
             for i in 0..STRIDE {
-                let is_at_it = index == 0 || law.start <= extensions[i] / rest_length;
-                squares[i] = if is_at_it { stiffnesses[i] } else { squares[i] };
-                coefficients[i] = if is_at_it { found[i] } else { coefficients[i] };
+                let has_begun = index == 0 || law.has_begun(extensions[i], rest_length);
+                squares[i] = if has_begun { stiffnesses[i] } else { squares[i] };
+                coefficients[i] = if has_begun { found[i] } else { coefficients[i] };
             }
         }
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::block_bound::BlockBound;
 use super::block_forces::{eval_block, eval_block_and_bounds, larger_rates};
 use super::limits::Limiter;
-use super::motion::{MoveBlock, Moved, Steps, Wanted};
+use super::motion::{MoveBlock, Moved, Steps};
 use super::one_pass::{BandMemory, OnePass};
 use super::pins::place_pins;
 use super::running_summary::RunningSummary;
@@ -116,7 +116,7 @@ impl CentralDifference {
     ) -> Result<Motion, StepError> {
         let from = left_behind(state, before);
         let steps = Steps { last: state.last_step, next: step };
-        let wanted = Wanted { energies: is_measured, drag_power: self.pass.finds_drag };
+        let wanted = self.summary.wanted(is_measured);
         let forces = &self.forces;
         let move_block = |block: &Range<usize>, (positions, velocities): (PointsMut<'_>, PointsMut<'_>)| {
             let (particles, forces) = (model.particles(), forces.slice(block));
@@ -227,23 +227,24 @@ impl CentralDifference {
         before: Option<&mut State>,
         to: StepTo,
     ) -> Result<Motion, StepError> {
+        let wanted = self.summary.wanted(to.is_measured);
         let Self { workers, bands, pass, spare, .. } = self;
         let is_shared = 1 < workers.count() && 1 < model.blocks().len();
         let moved = match before {
             Some(from) => {
                 state.leave_in(from);
-                pass.step_from((model, workers), state, from, to, bands)
+                pass.step_from((model, workers), state, from, (to, wanted), bands)
             }
             None if is_shared => {
                 // What forces remember stays as it is, and need not be copied.
                 let memory = std::mem::take(&mut state.memory);
                 state.leave_in(spare);
                 spare.memory = memory;
-                let moved = pass.step_from((model, workers), state, spare, to, bands);
+                let moved = pass.step_from((model, workers), state, spare, (to, wanted), bands);
                 state.memory = std::mem::take(&mut spare.memory);
                 moved
             }
-            None => pass.step_in_place(model, state, to, &mut bands[0]),
+            None => pass.step_in_place(model, state, (to, wanted), &mut bands[0]),
         };
         // Of the state that it left, whatever came of it.
         self.summary.add_strains(&mut self.bands, true);
@@ -269,11 +270,12 @@ impl CentralDifference {
             return motion;
         }
         let from = left_behind(state, before);
+        let wanted = self.summary.wanted(to.is_measured);
         let Self { bands, pass, forces, .. } = self;
         let eval = |at: Configuration<'_>, block: &Range<usize>, forces: PointsMut<'_>, sweep: &mut Sweep| {
             eval_block(model, at, block, forces, sweep);
         };
-        let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
+        let moved = pass.move_and_eval(model, (state, from), (to, wanted), forces, &mut bands[0], eval);
         if model.depends_on_velocity() {
             self.add_velocity_forces(model, state);
         }
@@ -380,6 +382,7 @@ impl Integrator for CentralDifference {
             return (motion, stable);
         }
         let from = left_behind(state, before);
+        let wanted = self.summary.wanted(to.is_measured);
         let Self { bands, pass, forces, stiffness_bounds, block_bound, .. } = self;
         stiffness_bounds.resize(state.positions.len(), 0.0);
         let mut largest = [0.0; 2];
@@ -388,7 +391,7 @@ impl Integrator for CentralDifference {
             eval_block_and_bounds(model, at, block, (forces, &mut *bounds), sweep);
             largest = larger_rates(largest, block_bound.rates(model, block, bounds));
         };
-        let moved = pass.move_and_eval(model, (state, from), to, forces, &mut bands[0], eval);
+        let moved = pass.move_and_eval(model, (state, from), (to, wanted), forces, &mut bands[0], eval);
         let motion = self.sum_up(measured(model, state, moved), to);
         (motion, self.finish_with_bounds(model, state, constant_stiffness, largest))
     }
@@ -433,7 +436,6 @@ impl Integrator for CentralDifference {
 
     fn summarise(&mut self, is_wanted: bool) {
         self.summary.want(is_wanted, &mut self.bands);
-        self.pass.finds_drag = is_wanted;
     }
 
     fn take_summary(&mut self) -> StepSummary {

@@ -23,8 +23,6 @@ pub(super) struct BandMemory {
 pub(super) struct OnePass {
     /// Of each block.
     moved: Vec<Moved>,
-    /// Whether the power of drag is to be found.
-    pub(super) finds_drag: bool,
 }
 
 impl OnePass {
@@ -34,11 +32,10 @@ impl OnePass {
         (model, workers): (&Model, &Workers),
         state: &mut State,
         from: &State,
-        StepTo { step, is_measured, .. }: StepTo,
+        (StepTo { step, .. }, wanted): (StepTo, Wanted),
         memories: &mut [BandMemory],
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
-        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         let (at, particles) = (configuration(model, from), model.particles());
         let moved = self.of_blocks(model.blocks());
         let arrays = ((state.positions.as_mut(), state.velocities.as_mut()), moved);
@@ -70,11 +67,10 @@ impl OnePass {
         &mut self,
         model: &Model,
         state: &mut State,
-        StepTo { step, is_measured, .. }: StepTo,
+        (StepTo { step, .. }, wanted): (StepTo, Wanted),
         BandMemory { sweep, forces }: &mut BandMemory,
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
-        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;
         sweep.restart();
@@ -103,13 +99,12 @@ impl OnePass {
         &mut self,
         model: &Model,
         (state, from): (&mut State, Option<&State>),
-        StepTo { step, time, is_measured }: StepTo,
+        (StepTo { step, time, .. }, wanted): (StepTo, Wanted),
         forces: &mut Points,
         BandMemory { sweep, .. }: &mut BandMemory,
         mut eval: impl FnMut(Configuration<'_>, &Range<usize>, PointsMut<'_>, &mut Sweep),
     ) -> Option<Moved> {
         let steps = Steps { last: state.last_step, next: step };
-        let wanted = Wanted { energies: is_measured, drag_power: self.finds_drag };
         (state.time, state.last_step) = (time, step);
         let (particles, blocks) = (model.particles(), model.blocks());
         let moved = self.of_blocks(blocks).values;

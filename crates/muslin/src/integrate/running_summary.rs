@@ -1,6 +1,6 @@
 //! What is found on the way through steps.
 
-use super::motion::Moved;
+use super::motion::{Moved, Wanted};
 use super::one_pass::BandMemory;
 use crate::StepSummary;
 
@@ -17,6 +17,11 @@ impl RunningSummary {
             self.summary = is_wanted.then(StepSummary::default);
             bands.iter_mut().for_each(|band| band.sweep.watch_strains(is_wanted));
         }
+    }
+
+    /// What is to be found of a motion whose energies are asked for or not.
+    pub(super) fn wanted(&self, energies: bool) -> Wanted {
+        Wanted { energies, drag_power: self.summary.is_some() }
     }
 
     /// The summary since it was taken last.

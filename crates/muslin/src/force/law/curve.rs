@@ -41,8 +41,7 @@ pub struct CurveLaw {
 /// A piece of a [`CurveLaw`], a cubic in t = e − start: f = Σ cₖ tᵏ [N].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
-    /// Strain [1] from which on it holds, but for the first of a law, which holds up to there.
-    pub(crate) start: f64,
+    start: f64,
     coefficients: [f64; 4],
     /// ∫ f ds [N] and ∫ f s ds [N] from zero strain to the start.
     energy: f64,
@@ -73,16 +72,29 @@ impl CurveLaw {
         Self { strains, pieces }
     }
 
-    /// The place of the piece that holds `strain`.
+    /// The place of the piece that holds at an `extension` [m] of `rest_length` [m].
     #[inline(always)]
-    fn place(&self, strain: f64) -> usize {
+    fn place(&self, extension: f64, rest_length: f64) -> usize {
+        let strain = extension / rest_length;
         self.strains.partition_point(|&start| start <= strain)
+    }
+
+    /// The piece that holds there.
+    #[inline(always)]
+    fn cubic(&self, extension: f64, rest_length: f64) -> &Cubic {
+        &self.pieces[self.place(extension, rest_length)]
     }
 }
 
 impl Cubic {
     fn new(start: f64, coefficients: [f64; 4]) -> Self {
         Self { start, coefficients, energy: 0.0, moment: 0.0 }
+    }
+
+    /// Whether it has begun at an `extension` [m] of `rest_length` [m]; meaningless for the first of a law, which has no beginning.
+    #[inline(always)]
+    pub(crate) fn has_begun(&self, extension: f64, rest_length: f64) -> bool {
+        self.start <= extension / rest_length
     }
 
     /// ∫ f ds [N] from zero strain to `strain`.
@@ -109,19 +121,16 @@ impl Cubic {
 impl TensionLaw for Cubic {
     #[inline(always)]
     fn tension(&self, extension: f64, rest_length: f64) -> f64 {
-        self.tension_and_tangent(extension, rest_length).0
+        let t = extension / rest_length - self.start;
+        let [c0, c1, c2, c3] = self.coefficients;
+        c0 + t * (c1 + t * (c2 + t * c3))
     }
 
     #[inline(always)]
     fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
-        self.tension_and_tangent(extension, rest_length).1
-    }
-
-    #[inline(always)]
-    fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
         let t = extension / rest_length - self.start;
-        let [c0, c1, c2, c3] = self.coefficients;
-        (c0 + t * (c1 + t * (c2 + t * c3)), (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length)
+        let [_, c1, c2, c3] = self.coefficients;
+        (c1 + t * (2.0 * c2 + t * (3.0 * c3))) / rest_length
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
@@ -137,30 +146,30 @@ impl TensionLaw for CurveLaw {
     const HAS_CUBICS: bool = true;
 
     fn cubics(&self, extensions: [f64; 2], rest_length: f64) -> &[Cubic] {
-        let [first, last] = extensions.map(|extension| self.place(extension / rest_length));
+        let [first, last] = extensions.map(|extension| self.place(extension, rest_length));
         &self.pieces[first.min(last)..=last]
     }
 
     #[inline(always)]
     fn tension(&self, extension: f64, rest_length: f64) -> f64 {
-        self.tension_and_tangent(extension, rest_length).0
+        self.cubic(extension, rest_length).tension(extension, rest_length)
     }
 
     fn tangent(&self, extension: f64, rest_length: f64) -> f64 {
-        self.tension_and_tangent(extension, rest_length).1
+        self.cubic(extension, rest_length).tangent(extension, rest_length)
     }
 
     #[inline(always)]
     fn tension_and_tangent(&self, extension: f64, rest_length: f64) -> (f64, f64) {
-        self.pieces[self.place(extension / rest_length)].tension_and_tangent(extension, rest_length)
+        self.cubic(extension, rest_length).tension_and_tangent(extension, rest_length)
     }
 
     fn energy(&self, extension: f64, rest_length: f64) -> f64 {
-        self.pieces[self.place(extension / rest_length)].energy(extension, rest_length)
+        self.cubic(extension, rest_length).energy(extension, rest_length)
     }
 
     fn energy_moment(&self, extension: f64, rest_length: f64) -> f64 {
-        self.pieces[self.place(extension / rest_length)].energy_moment(extension, rest_length)
+        self.cubic(extension, rest_length).energy_moment(extension, rest_length)
     }
 }
 
@@ -313,8 +322,8 @@ mod tests {
                     let between =
                         extensions.iter().filter(|&&extension| least <= extension && extension <= most);
                     for &extension in between {
-                        let is_before = |cubic: &&Cubic| cubic.start <= extension / length;
-                        let cubic = cubics[1..].iter().take_while(is_before).last().unwrap_or(&cubics[0]);
+                        let has_begun = |cubic: &&Cubic| cubic.has_begun(extension, length);
+                        let cubic = cubics[1..].iter().take_while(has_begun).last().unwrap_or(&cubics[0]);
                         assert_eq!(
                             cubic.tension_and_tangent(extension, length),
                             law.tension_and_tangent(extension, length)
